@@ -8,7 +8,8 @@ use heapless::Vec;
 use crate::body_weight::{BodyWeights, BodyWeightsError};
 use crate::control::{ControlLaw, Gains, LimitReason, Limited, TorqueLimit, through_parent};
 use crate::dynamics::{
-    BodyMotion, ReflectedInertia, Resolved, inverse_dynamics, resolved_acceleration,
+    BodyMotion, ReflectedInertia, ResolvedAccelerationScratch, inverse_dynamics,
+    resolved_acceleration,
 };
 use crate::fixed;
 use crate::joint::JointKind;
@@ -29,10 +30,10 @@ pub const GRAVITY_M_S2: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 /// A tracking controller for one rig.
 ///
 /// It holds what does not change from tick to tick; everything else is an argument or lives in the
-/// caller's [`Workspace`]. Firmware and simulator call the same [`Controller::tick`].
+/// caller's [`Workspace`]. Firmware and simulator call the same [`TorqueController::tick`].
 ///
 /// ```
-/// use sinew_core::{Body, Controller, Inertia, JointKind, JointStates, JointTargets, Twist};
+/// use sinew_core::{Body, TorqueController, Inertia, JointKind, JointStates, JointTargets, Twist};
 /// use sinew_core::{RotationalInertia, Transform, Tree, Workspace};
 /// use sinew_core::{control::Gains, glam::Vec3, math, state_error::Method};
 /// let pendulum = Body {
@@ -52,7 +53,7 @@ pub const GRAVITY_M_S2: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 /// target.set(0, state, Twist::ZERO)?;
 /// let measured = JointStates::rest(&tree);
 ///
-/// let controller = Controller::new(tree, Gains::critically_damped(200.0)?, Method::World)?;
+/// let controller = TorqueController::new(tree, Gains::critically_damped(200.0)?, Method::World)?;
 /// let mut workspace = Workspace::new();
 /// let torques = controller.tick(&mut target, &measured, &[], &mut workspace);
 /// // Inertia 1 kg * (0.4 m)², accelerated by kp * 0.1 rad = 20 rad/s².
@@ -60,7 +61,7 @@ pub const GRAVITY_M_S2: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct Controller<const N: usize> {
+pub struct TorqueController<const N: usize> {
     tree: Tree<N>,
     gains: Vec<Gains, N>,
     method: Method<N>,
@@ -73,7 +74,7 @@ pub struct Controller<const N: usize> {
     inertias: Vec<ReflectedInertia, N>,
 }
 
-impl<const N: usize> Controller<N> {
+impl<const N: usize> TorqueController<N> {
     /// A controller with the same gains for all joints, inverse dynamics, gravity of 9.81 m/s² along -y and
     /// no torque limits. O(n).
     ///
@@ -186,7 +187,7 @@ impl<const N: usize> Controller<N> {
     ///
     /// ```
     /// use sinew_core::control::{Gains, LimitReason, TorqueLimit};
-    /// use sinew_core::{Controller, ControllerError, JointStates, JointTargets, Workspace};
+    /// use sinew_core::{TorqueController, ControllerError, JointStates, JointTargets, Workspace};
     /// use sinew_core::{glam::Vec3, state_error::Method};
     /// # use sinew_core::{Body, Inertia, JointKind, RotationalInertia, Transform, Tree};
     /// # let inertia = Inertia {
@@ -199,7 +200,7 @@ impl<const N: usize> Controller<N> {
     /// let tree = Tree::<1>::from_bodies(&[level_arm])?;
     /// let (mut targets, measured) = (JointTargets::rest(&tree), JointStates::rest(&tree));
     /// // 2 kg on a level arm of 0.5 m need 9.81 N m; the drive has 6.
-    /// let controller = Controller::new(tree, Gains::critically_damped(200.0)?, Method::World)?
+    /// let controller = TorqueController::new(tree, Gains::critically_damped(200.0)?, Method::World)?
     ///     .with_limits(&[TorqueLimit::new(6.0, 0.0)?])?;
     /// let mut workspace = Workspace::new();
     /// let torque = controller.tick(&mut targets, &measured, &[], &mut workspace)[0];
@@ -235,7 +236,7 @@ impl<const N: usize> Controller<N> {
     ///
     /// ```
     /// use sinew_core::dynamics::{OuterJoints, reflected_inertia};
-    /// use sinew_core::{Controller, JointStates, control::{ControlLaw, Gains}, state_error::Method};
+    /// use sinew_core::{TorqueController, JointStates, control::{ControlLaw, Gains}, state_error::Method};
     /// # use sinew_core::{Body, Inertia, JointKind, RotationalInertia, Transform, Tree, glam::Vec3};
     /// # let inertia = Inertia {
     /// #     mass_kg: 2.0,
@@ -247,12 +248,12 @@ impl<const N: usize> Controller<N> {
     /// let tree = Tree::<1>::from_bodies(&[arm])?;
     /// let inertias = reflected_inertia(&tree, &JointStates::rest(&tree), OuterJoints::Locked);
     /// // What a servo does by itself: no model in the loop, but gains that fit what each joint moves.
-    /// let controller = Controller::new(tree, Gains::critically_damped(200.0)?, Method::Local)?
-    ///     .with_pd_of_inertia(&inertias)?;
+    /// let controller = TorqueController::new(tree, Gains::critically_damped(200.0)?, Method::Local)?
+    ///     .with_inertia_scaled_pd(&inertias)?;
     /// assert_eq!(controller.law(), ControlLaw::ProportionalDerivative);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn with_pd_of_inertia(
+    pub fn with_inertia_scaled_pd(
         mut self,
         inertias: &[ReflectedInertia],
     ) -> Result<Self, ControllerError> {
@@ -306,7 +307,7 @@ impl<const N: usize> Controller<N> {
         &self.limits
     }
 
-    /// The inertias by joint that [`Self::with_pd_of_inertia`] was given; empty by default.
+    /// The inertias by joint that [`Self::with_inertia_scaled_pd`] was given; empty by default.
     pub fn inertias(&self) -> &[ReflectedInertia] {
         &self.inertias
     }
@@ -530,7 +531,7 @@ impl<const N: usize> Controller<N> {
         targets: &JointTargets<N>,
         measured: &[JointState],
         w: &mut Workspace<N, R>,
-        error: impl Fn(At<'_>) -> (StateError, Quat),
+        error: impl Fn(BodyContext<'_>) -> (StateError, Quat),
     ) {
         let desired_bodies = targets.bodies();
         for (body, (((of_tree, gains), (desired, of_targets)), (measured, out))) in self
@@ -548,7 +549,7 @@ impl<const N: usize> Controller<N> {
                 break;
             };
             let (command, aim_status) = out;
-            let (error, to_body) = error(At {
+            let (error, to_body) = error(BodyContext {
                 body,
                 desired,
                 measured,
@@ -634,7 +635,7 @@ impl<const N: usize> Controller<N> {
         resolved_acceleration(bodies, measured, world, weights, scratch, &mut w.commands);
         kinematics::joint_accelerations(bodies, world, &mut w.commands);
         for ((body, measured), command) in bodies.iter().zip(measured).zip(&mut w.commands) {
-            // Without what rounding has left across the joint's freedoms.
+            // Without what rounding has left across the joint's dofs.
             let in_joint = body.rotation_in_joint(measured.pose.rotation);
             *command = body.joint.project_twist(in_joint, *command)
                 + body.joint.bias_acceleration(in_joint, measured.velocity);
@@ -739,7 +740,7 @@ fn limit_wrenches(
 }
 
 /// What the state error of one body is made of.
-struct At<'a> {
+struct BodyContext<'a> {
     body: usize,
     desired: &'a JointState,
     measured: &'a JointState,
@@ -750,21 +751,21 @@ struct At<'a> {
     aim_status: &'a mut AimStatus,
 }
 
-impl<'a> At<'a> {
+impl<'a> BodyContext<'a> {
     /// Desired and measured state of another body.
     fn bodies(&self, body: usize) -> Option<(&'a BodyState, &'a BodyState)> {
         Some((self.desired_bodies.get(body)?, self.measured_bodies.get(body)?))
     }
 }
 
-/// Scratch memory of a [`Controller`], owned by the caller; it holds nothing from tick to tick, but the
+/// Scratch memory of a [`TorqueController`], owned by the caller; it holds nothing from tick to tick, but the
 /// last tick's commands and torques can be read from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Workspace<const N: usize, const R: usize = 0> {
     measured: [BodyState; N],
     aim_status: [AimStatus; N],
     commands: [Twist; N],
-    resolved: [Resolved; R],
+    resolved: [ResolvedAccelerationScratch; R],
     scratch: [BodyMotion; N],
     torques: [Limited<Wrench>; N],
 }
@@ -793,7 +794,7 @@ impl<const N: usize, const R: usize> Workspace<N, R> {
             measured: [BodyState::WORLD; N],
             aim_status: [AimStatus::Leaf; N],
             commands: [Twist::ZERO; N],
-            resolved: [Resolved::ZERO; R],
+            resolved: [ResolvedAccelerationScratch::ZERO; R],
             scratch: [BodyMotion::default(); N],
             torques: [Limited { value: Wrench::ZERO, reason: None }; N],
         }

@@ -5,8 +5,8 @@
 
 use defmt::{Format, Formatter, write};
 
-use crate::controller::{Controller, Workspace};
-use crate::dynamics::{ArticulatedBody, BodyMotion, CompositeBody, Resolved};
+use crate::controller::{TorqueController, Workspace};
+use crate::dynamics::{ArticulatedBody, BodyMotion, CompositeBody, ResolvedAccelerationScratch};
 use crate::importance::RestPose;
 use crate::observer::Observer;
 use crate::pose_space::{JointCoordinates, LineWorkspace};
@@ -148,7 +148,7 @@ impl Format for Trajectory<'_> {
 }
 
 /// Its settings, and the tree.
-impl<const N: usize> Format for Controller<N> {
+impl<const N: usize> Format for TorqueController<N> {
     fn format(&self, f: Formatter<'_>) {
         write!(
             f,
@@ -228,7 +228,7 @@ impl Format for ArticulatedBody {
 }
 
 /// Scratch: its name only.
-impl Format for Resolved {
+impl Format for ResolvedAccelerationScratch {
     fn format(&self, f: Formatter<'_>) {
         write!(f, "Resolved");
     }

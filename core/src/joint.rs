@@ -17,9 +17,9 @@ use crate::transform::{Transform, Twist, Wrench};
 /// ```
 /// use sinew_core::{JointKind, glam::Vec3};
 /// let knee = JointKind::Revolute { axis: Vec3::X };
-/// assert_eq!(knee.degrees_of_freedom(), 1);
-/// // A quaternion has four coordinates for three freedoms.
-/// assert_eq!(JointKind::Spherical.degrees_of_freedom(), 3);
+/// assert_eq!(knee.dof_count(), 1);
+/// // A quaternion has four coordinates for three dofs.
+/// assert_eq!(JointKind::Spherical.dof_count(), 3);
 /// assert_eq!(JointKind::Spherical.coordinate_count(), 4);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,7 +60,7 @@ pub enum JointKind {
 
 impl JointKind {
     /// Number of degrees of freedom, 0 to 6.
-    pub const fn degrees_of_freedom(self) -> usize {
+    pub const fn dof_count(self) -> usize {
         match self {
             Self::Fixed => 0,
             Self::Revolute { .. } | Self::Prismatic { .. } => 1,
@@ -76,12 +76,12 @@ impl JointKind {
         matches!(self, Self::Prismatic { .. } | Self::Free)
     }
 
-    /// Number of coordinates that [`Self::state`] takes: a quaternion has four for three freedoms.
+    /// Number of coordinates that [`Self::state`] takes: a quaternion has four for three dofs.
     pub const fn coordinate_count(self) -> usize {
         match self {
             Self::Spherical => 4,
             Self::Free => 7,
-            other => other.degrees_of_freedom(),
+            other => other.dof_count(),
         }
     }
 
@@ -329,7 +329,7 @@ mod tests {
         let motion = Twist::new(Vec3::new(1.0, 2.0, -3.0), Vec3::new(-0.5, 0.7, 0.2));
         for kind in kinds() {
             let columns = kind.motion_subspace(rotation);
-            assert_eq!(columns.len(), kind.degrees_of_freedom());
+            assert_eq!(columns.len(), kind.dof_count());
             let mut expected = Twist::ZERO;
             for c in &columns {
                 let along = c.angular.dot(motion.angular) + c.linear.dot(motion.linear);

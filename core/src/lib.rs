@@ -24,11 +24,11 @@
 //! 4. [`state_error`]: how far the rig is from the performance, by one of several methods.
 //! 5. [`control`] and [`dynamics`]: error to torque, with inverse dynamics and limits.
 //!
-//! [`Controller::tick`] does steps 3 to 5 in one call; [`tracker::Tracker`] does all of it, with an observer, from a
+//! [`TorqueController::tick`] does steps 3 to 5 in one call; [`tracker::Tracker`] does all of it, with an observer, from a
 //! source of frames. [`importance`] says how much each joint matters, for rigs whose joints cannot all follow exactly.
 //!
 //! ```
-//! use sinew_core::{Body, Controller, Inertia, JointKind, JointStates, JointTargets, Trajectory, Tree};
+//! use sinew_core::{Body, TorqueController, Inertia, JointKind, JointStates, JointTargets, Trajectory, Tree};
 //! use sinew_core::{Transform, Workspace, control::Gains, glam::Vec3, math, state_error::Method};
 //!
 //! // 1. An arm of two links of 0.3 m and 0.5 kg, on ball joints.
@@ -50,7 +50,7 @@
 //! let performance = Trajectory::new(&frames, 2, 0.01)?;
 //!
 //! // 3 to 5.
-//! let controller = Controller::new(arm, Gains::critically_damped(200.0)?, Method::World)?;
+//! let controller = TorqueController::new(arm, Gains::critically_damped(200.0)?, Method::World)?;
 //! let mut targets = JointTargets::rest(controller.tree());
 //! let mut measured = JointStates::rest(controller.tree());
 //! let mut workspace = Workspace::new();
@@ -76,7 +76,7 @@
 //! - World velocities are those of the frame's origin, in **world axes**.
 //! - **Numbers**: types with a constructor or a setter hold finite numbers. Functions of plain slices and vectors
 //!   (kinematics, state errors, dynamics) take any numbers. If one is not finite, or too large for f32, so is the
-//!   result; there is no panic. [`Controller::tick`] then gives a torque of zero and the reason.
+//!   result; there is no panic. [`TorqueController::tick`] then gives a torque of zero and the reason.
 //! - Every elementary function goes through [`math`], and glam is used without SIMD, so that all
 //!   machines compute the same bits.
 //!
@@ -89,7 +89,7 @@
 //! `serde` writes vectors as `[x, y, z]`, quaternions as `[x, y, z, w]`, a [`Tree`] as its bodies, sets and values by
 //! body or joint as lists, and a torque limit's bound as a number or `null` (no bound). Reading normalises rotations
 //! and axes, so their last bits may change. A value that belongs to a tree but is read without one, such as
-//! [`Aims`](state_error::Aims), must fit *some* tree; [`Controller::new`] checks whether it fits its own. Not covered
+//! [`Aims`](state_error::Aims), must fit *some* tree; [`TorqueController::new`] checks whether it fits its own. Not covered
 //! are
 //! - scratch, and estimates that are carried from tick to tick: [`Workspace`], [`Observer`](observer::Observer), ...;
 //! - types that only a constructor can make: [`ObserverSettings`](observer::ObserverSettings), whose gains depend on
@@ -176,7 +176,7 @@ mod transform;
 mod tree;
 
 pub use body_set::BodySet;
-pub use controller::{Controller, ControllerError, GRAVITY_M_S2, Workspace};
+pub use controller::{ControllerError, GRAVITY_M_S2, TorqueController, Workspace};
 pub use coordinates::JointCoordinatesError;
 pub use forward_differences::ForwardDifferences;
 pub use inertia::{Inertia, InertiaError, RotationalInertia};

@@ -122,7 +122,7 @@ impl ObserverSettings {
 /// With inverse dynamics every joint obeys `q̈ = command + disturbance`, whatever its inertia. So the estimate costs a
 /// few operations a joint, and the look ahead applies the commands that are on their way. O(n D).
 ///
-/// A tick goes: [`Self::observe`], [`Self::compensate`], [`Controller::tick`](crate::Controller::tick) with
+/// A tick goes: [`Self::observe`], [`Self::compensate`], [`TorqueController::tick`](crate::TorqueController::tick) with
 /// [`Self::states`] and the law of inverse dynamics, [`Self::record_commands`].
 ///
 /// ```

@@ -13,7 +13,7 @@ use serde::ser::{Serialize, SerializeSeq, Serializer};
 
 use crate::body_weight::{BodyWeight, BodyWeights};
 use crate::control::{ControlLaw, Gains, TorqueLimit};
-use crate::controller::{Controller, ControllerError};
+use crate::controller::{ControllerError, TorqueController};
 use crate::dynamics::ReflectedInertia;
 use crate::importance::Importance;
 use crate::state_error::{Aim, Aims, Method, References};
@@ -285,7 +285,7 @@ impl<'de> Deserialize<'de> for TorqueLimit {
     }
 }
 
-/// A [`Controller`] as it is written.
+/// A [`TorqueController`] as it is written.
 #[derive(serde::Serialize)]
 #[serde(rename = "Controller")]
 struct ControllerFields<'a, const N: usize> {
@@ -298,7 +298,7 @@ struct ControllerFields<'a, const N: usize> {
     inertias: &'a [ReflectedInertia],
 }
 
-/// A [`Controller`] as it is read.
+/// A [`TorqueController`] as it is read.
 #[derive(serde::Deserialize)]
 #[serde(rename = "Controller", deny_unknown_fields)]
 pub(crate) struct ControllerParts<const N: usize> {
@@ -311,7 +311,7 @@ pub(crate) struct ControllerParts<const N: usize> {
     inertias: List<ReflectedInertia, N>,
 }
 
-impl<const N: usize> Serialize for Controller<N> {
+impl<const N: usize> Serialize for TorqueController<N> {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         ControllerFields {
             tree: self.tree(),
@@ -326,7 +326,7 @@ impl<const N: usize> Serialize for Controller<N> {
     }
 }
 
-impl<const N: usize> TryFrom<ControllerParts<N>> for Controller<N> {
+impl<const N: usize> TryFrom<ControllerParts<N>> for TorqueController<N> {
     type Error = ControllerError;
 
     fn try_from(parts: ControllerParts<N>) -> Result<Self, ControllerError> {
@@ -341,13 +341,13 @@ impl<const N: usize> TryFrom<ControllerParts<N>> for Controller<N> {
             .with_limits(&limits)?
             .with_gravity(parts.gravity_m_s2)?;
         if !inertias.is_empty() {
-            controller = controller.with_pd_of_inertia(&inertias)?;
+            controller = controller.with_inertia_scaled_pd(&inertias)?;
         }
         controller.with_law(parts.law)
     }
 }
 
-impl<'de, const N: usize> Deserialize<'de> for Controller<N> {
+impl<'de, const N: usize> Deserialize<'de> for TorqueController<N> {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         let parts = ControllerParts::<N>::deserialize(from)?;
         Self::try_from(parts).map_err(D::Error::custom)

@@ -155,7 +155,7 @@ impl<const N: usize> TorqueSupply<N> {
 
 impl<const N: usize> TorqueSupply<N> {
     /// Cuts as [`Self::share`] does, but only what accelerates the rig: the part of each torque beyond its bias wrench
-    /// ([`Controller::bias_wrenches`](crate::Controller::bias_wrenches)), of all joints by the same factor whatever the
+    /// ([`TorqueController::bias_wrenches`](crate::TorqueController::bias_wrenches)), of all joints by the same factor whatever the
     /// weights: `τ = τ_bias + s (τ_wanted - τ_bias)`.
     ///
     /// Wrenches that do not draw from the supply (of a free root, and forces) are scaled alike, so every joint gets

@@ -2,7 +2,7 @@
 
 use sinew_core::tracker::Tick;
 
-/// A tick was whole and valid: what feeds the watchdog. [`Controller::end`](crate::controller::Controller::end) makes
+/// A tick was whole and valid: what feeds the watchdog. [`MotionController::end`](crate::controller::MotionController::end) makes
 /// one of a tick of the loop; on a board without the loop, what a tracker asks for becomes one.
 #[derive(Debug)]
 #[must_use = "it feeds the watchdog"]

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 use sinew_rig::toml_file;
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::device::{MEMORY_LEN, Servo};
-use sinew_servo_sim::line::{Line, Wired};
+use sinew_servo_sim::line::{Line, LineDevice};
 use sinew_servo_sim::load::{Load, Plant, Shaft};
 use sinew_servo_sim::model::Parameters;
 use sinew_servo_sim::port::Port;
@@ -73,7 +73,7 @@ struct Counted<'s> {
     shared: &'s Shared,
 }
 
-impl Wired for Counted<'_> {
+impl LineDevice for Counted<'_> {
     fn now_ns(&self) -> u64 {
         self.bench.now_ns()
     }

@@ -8,8 +8,8 @@ use sinew_rig::{Description, Mechanism};
 use sinew_show::write::{Motion, Settings as ShowSettings, write};
 use sinew_show::{Joint, Rate};
 
-/// Degrees of freedom of the figure: a free root, and ball joints.
-pub const FREEDOMS: usize = 6 + 3 * (BODY_COUNT - 1);
+/// Degrees of dof of the figure: a free root, and ball joints.
+pub const DOFS: usize = 6 + 3 * (BODY_COUNT - 1);
 
 /// Coordinates of the figure: quaternions have four numbers.
 pub const COORDINATES: usize = 7 + 4 * (BODY_COUNT - 1);
@@ -66,7 +66,7 @@ pub fn figure_show(seconds: f64) -> FigureShow {
 /// # Panics
 /// If a number of it does not survive f32.
 pub fn rig(mechanism: &Mechanism) -> Vec<u8> {
-    let rig = BoardRig::<BODY_COUNT, FREEDOMS, 0>::bake(&Description::default(), mechanism)
+    let rig = BoardRig::<BODY_COUNT, DOFS, 0>::bake(&Description::default(), mechanism)
         .expect("the figure is a rig");
     let mut bytes = vec![0; 1 << 14];
     let length = rig.encode(&mut bytes).expect("there is room");

@@ -12,7 +12,7 @@ use sinew_bit_parity::{PLAY, RUN, answer};
 use sinew_evaluation::{CAPACITY, MethodName, Protocol, track};
 use sinew_figure::{BODIES, BODY_COUNT, FigureMotion};
 
-use crate::figure::{COORDINATES, FREEDOMS, FigureShow, rig};
+use crate::figure::{COORDINATES, DOFS, FigureShow, rig};
 
 /// A run of the evaluation: a clip, tracked by a figure of a scale with a method.
 #[derive(Debug, Clone)]
@@ -110,7 +110,7 @@ pub fn here(mut request: &[u8]) -> Vec<u8> {
         out.extend_from_slice(bytes);
         Ok(())
     };
-    answer::<BODY_COUNT, FREEDOMS, COORDINATES>(&mut buffer, read, write).unwrap();
+    answer::<BODY_COUNT, DOFS, COORDINATES>(&mut buffer, read, write).unwrap();
     out
 }
 

@@ -177,7 +177,7 @@ pub fn energy_j(rig: &Rig, gravity_m_s2: DVec3, time_s: f64) -> f64 {
 fn rotor_energy_j(rig: &Rig, time_s: f64) -> f64 {
     let of_joint = |(body, motion): (&Body, &Coordinates)| {
         let speeds = motion.speed.iter().zip(&motion.acceleration);
-        let speeds = speeds.take(body.joint.degrees_of_freedom());
+        let speeds = speeds.take(body.joint.dof_count());
         let squared = speeds.map(|(v, a)| (f64::from(*v) + f64::from(*a) * time_s).powi(2));
         0.5 * f64::from(body.rotor_inertia) * squared.sum::<f64>()
     };

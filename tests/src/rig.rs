@@ -205,7 +205,7 @@ impl Coordinates {
     /// State of a joint with these coordinates.
     pub fn state(&self, body: &Body) -> JointState {
         let position = self.position(body.joint);
-        let speed = &self.speed[..body.joint.degrees_of_freedom()];
+        let speed = &self.speed[..body.joint.dof_count()];
         body.joint.state(body.placement, &position, speed).expect("coordinates are valid")
     }
 
@@ -240,7 +240,7 @@ impl Rig {
     pub fn coordinates(&self) -> [Vec<f32>; 3] {
         let mut all = [vec![], vec![], vec![]];
         for (body, motion) in self.tree.bodies().iter().zip(&self.motions) {
-            let count = body.joint.degrees_of_freedom();
+            let count = body.joint.dof_count();
             all[0].extend(motion.position(body.joint));
             all[1].extend(&motion.speed[..count]);
             all[2].extend(&motion.acceleration[..count]);
@@ -300,7 +300,7 @@ impl Rig {
         out
     }
 
-    /// The mass matrix, column by column what a unit acceleration of a freedom takes along all of them, at rest and
+    /// The mass matrix, column by column what a unit acceleration of a dof takes along all of them, at rest and
     /// without gravity.
     pub fn mass_matrix_by_torques(&self) -> Vec<Vec<f64>> {
         let (bodies, states) = (self.tree.bodies(), self.states());
@@ -310,16 +310,16 @@ impl Rig {
             let in_joint = body.placement.rotation.conjugate() * state.pose.rotation;
             body.joint.motion_subspace(in_joint).into_iter().map(move |column| (index, column))
         };
-        let freedoms: Vec<(usize, Twist)> =
+        let dofs: Vec<(usize, Twist)> =
             bodies.iter().zip(&still).enumerate().flat_map(of_body).collect();
         let column = |(moved, unit): &(usize, Twist)| {
             let mut accelerations = vec![Twist::ZERO; bodies.len()];
             accelerations[*moved] = *unit;
             let wrenches = self.wrenches(&still, &accelerations, Vec3::ZERO, &[]);
             let along = |(body, along): &(usize, Twist)| f64::from(wrenches[*body].power_w(*along));
-            freedoms.iter().map(along).collect()
+            dofs.iter().map(along).collect()
         };
-        freedoms.iter().map(column).collect()
+        dofs.iter().map(column).collect()
     }
 
     /// Accelerations of the joints, as inverse dynamics takes them.

@@ -80,7 +80,7 @@ fn known(x: f32) -> Number {
     Number::known(f64::from(x))
 }
 
-/// Motion along the freedoms of a joint.
+/// Motion along the dofs of a joint.
 fn along(link: &Link, joint: &Joint, amounts: &[f32]) -> Motion {
     link.columns(joint).iter().zip(amounts).fold(Motion::ZERO, |sum, (column, amount)| Motion {
         angular: sum.angular + column.angular * known(*amount),

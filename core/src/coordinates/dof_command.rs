@@ -6,7 +6,7 @@ use core::mem;
 use super::error::{CoordinatesError, check_count};
 use super::tree::in_joint;
 use crate::control::{ControlLaw, LimitReason};
-use crate::controller::{Controller, Workspace};
+use crate::controller::{TorqueController, Workspace};
 use crate::joint::JointKind;
 use crate::joint_states::JointStates;
 use crate::joint_targets::JointTargets;
@@ -78,7 +78,7 @@ pub fn nearest_turn(angle_rad: f32, to_rad: f32) -> f32 {
     if turned_rad.is_finite() { turned_rad } else { angle_rad }
 }
 
-impl<const N: usize> Controller<N> {
+impl<const N: usize> TorqueController<N> {
     /// What each degree of freedom is asked for, after a tick with the same targets, measurements, external wrenches
     /// and workspace; its torques may have been through a [`supply`](crate::supply) since. O(n), about a tick: only for
     /// drives that cannot do with [`Tree::efforts`](crate::Tree::efforts) alone.
@@ -92,7 +92,7 @@ impl<const N: usize> Controller<N> {
     ///
     /// ```
     /// use sinew_core::coordinates::DofCommand;
-    /// use sinew_core::{Controller, JointStates, JointTargets, Workspace};
+    /// use sinew_core::{TorqueController, JointStates, JointTargets, Workspace};
     /// use sinew_core::{control::Gains, glam::Vec3, state_error::Method};
     /// # use sinew_core::{Body, Inertia, JointKind, RotationalInertia, Transform, Tree};
     /// # let inertia = Inertia {
@@ -105,7 +105,7 @@ impl<const N: usize> Controller<N> {
     /// let tree = Tree::<1>::from_bodies(&[level_arm])?;
     /// let (mut targets, measured) = (JointTargets::rest(&tree), JointStates::rest(&tree));
     /// targets.set_coordinates(&tree, &[0.25], &[0.0], &[0.0])?;
-    /// let controller = Controller::new(tree, Gains::new(100.0, 20.0)?, Method::Local)?;
+    /// let controller = TorqueController::new(tree, Gains::new(100.0, 20.0)?, Method::Local)?;
     /// let mut workspace = Workspace::new();
     /// controller.tick(&mut targets, &measured, &[], &mut workspace);
     /// let mut commands = [DofCommand::default()];
@@ -129,7 +129,7 @@ impl<const N: usize> Controller<N> {
         for joints in [targets.states(), measured.as_slice()] {
             check_count("joints", tree.len(), joints.len())?;
         }
-        check_count("out", tree.degrees_of_freedom(), out.len())?;
+        check_count("out", tree.dof_count(), out.len())?;
         let mut feedforward = [Wrench::ZERO; N];
         if self.law() == ControlLaw::InverseDynamics {
             self.feedforward_wrenches(targets, measured, external, workspace, &mut feedforward);
@@ -141,7 +141,7 @@ impl<const N: usize> Controller<N> {
             .zip(targets.states().iter().zip(measured.as_slice()))
             .zip(workspace.torques().iter().zip(feedforward))
         {
-            let count = body.joint.degrees_of_freedom();
+            let count = body.joint.dof_count();
             let (of_joint, behind) =
                 mem::take(&mut rest).split_at_mut_checked(count).unwrap_or_default();
             rest = behind;

@@ -39,7 +39,7 @@ impl JointKind {
             return Err(E::NonFinite { index });
         }
         for (expected, found) in
-            [(self.coordinate_count(), position.len()), (self.degrees_of_freedom(), speed.len())]
+            [(self.coordinate_count(), position.len()), (self.dof_count(), speed.len())]
         {
             if found != expected {
                 return Err(E::Count { expected, found });

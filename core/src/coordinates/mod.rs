@@ -14,16 +14,16 @@
 //! the body |
 //!
 //! So `q` has [`Tree::coordinate_count`](crate::Tree::coordinate_count) numbers (nq), the others have
-//! [`Tree::degrees_of_freedom`](crate::Tree::degrees_of_freedom) (nv). [`Tree::coordinates`](crate::Tree::coordinates)
-//! and [`Tree::freedoms`](crate::Tree::freedoms) say where a body's numbers are.
+//! [`Tree::dof_count`](crate::Tree::dof_count) (nv). [`Tree::coordinates`](crate::Tree::coordinates)
+//! and [`Tree::dofs`](crate::Tree::dofs) say where a body's numbers are.
 //!
 //! - **In**: [`JointStates::set_coordinates`](crate::JointStates::set_coordinates) (measured; of encoders without
 //!   speeds
 //!   [`JointStates::update_coordinates`](crate::JointStates::update_coordinates)),
 //!   [`JointTargets::set_coordinates`](crate::JointTargets::set_coordinates) (wanted).
 //! - **Out**: [`Tree::efforts`](crate::Tree::efforts) of a tick's torques, or
-//!   [`Controller::dof_commands`](crate::Controller::dof_commands): target, feed-forward and feedback for each degree
-//!   of freedom.
+//!   [`TorqueController::dof_commands`](crate::TorqueController::dof_commands): target, feed-forward and feedback for each degree
+//!   of dof.
 //! - **Back**: `coordinates` of states and targets, [`Tree::accelerations`](crate::Tree::accelerations) of commands,
 //!   [`Tree::wrenches`](crate::Tree::wrenches) of efforts.
 //!
@@ -40,8 +40,8 @@
 //! };
 //! let knee = JointKind::Revolute { axis: Vec3::X };
 //! let leg = Tree::<2>::from_bodies(&[body(None, JointKind::Spherical), body(Some(0), knee)])?;
-//! assert_eq!((leg.coordinate_count(), leg.degrees_of_freedom()), (5, 4));
-//! assert_eq!((leg.coordinates(1), leg.freedoms(1)), (4..5, 3..4));
+//! assert_eq!((leg.coordinate_count(), leg.dof_count()), (5, 4));
+//! assert_eq!((leg.coordinates(1), leg.dofs(1)), (4..5, 3..4));
 //!
 //! let mut measured = JointStates::rest(&leg);
 //! measured.set_coordinates(&leg, &[0.0, 0.0, 0.0, 1.0, 0.5], &[0.0, 0.0, 0.0, 2.0])?;

@@ -5,7 +5,7 @@ use core::ops::Range;
 
 use super::error::{CoordinatesError, check_count, check_numbers};
 use super::joint::squared_length_off_unit;
-use crate::dynamics::degrees_of_freedom;
+use crate::dynamics::dof_count;
 use crate::joint::JointKind;
 use crate::joint_states::JointStates;
 use crate::joint_targets::JointTargets;
@@ -20,8 +20,8 @@ impl<const N: usize> Tree<N> {
     }
 
     /// Number of degrees of freedom of all joints together: how many numbers `qd`, `qdd` and efforts have (nv). O(n).
-    pub fn degrees_of_freedom(&self) -> usize {
-        degrees_of_freedom(self.bodies())
+    pub fn dof_count(&self) -> usize {
+        dof_count(self.bodies())
     }
 
     /// Where the numbers of a body's joint are in `q`; an empty range at the end if there is no such body. O(n): ask
@@ -32,8 +32,8 @@ impl<const N: usize> Tree<N> {
 
     /// Where the numbers of a body's joint are in `qd`, `qdd` and efforts; an empty range at the end if there is no
     /// such body. O(n): ask once.
-    pub fn freedoms(&self, body: usize) -> Range<usize> {
-        range(self.bodies(), body, JointKind::degrees_of_freedom)
+    pub fn dofs(&self, body: usize) -> Range<usize> {
+        range(self.bodies(), body, JointKind::dof_count)
     }
 
     /// Accelerations along the degrees of freedom, of accelerations of joints in body axes
@@ -51,7 +51,7 @@ impl<const N: usize> Tree<N> {
         let bodies = self.bodies();
         check_count("joints", bodies.len(), joints.len())?;
         check_count("twists", bodies.len(), twists.len())?;
-        check_count("qdd", self.degrees_of_freedom(), qdd.len())?;
+        check_count("qdd", self.dof_count(), qdd.len())?;
         write_components(bodies, joints, twists.iter().copied(), qdd);
         Ok(())
     }
@@ -88,7 +88,7 @@ impl<const N: usize> Tree<N> {
         let bodies = self.bodies();
         check_count("joints", bodies.len(), joints.len())?;
         check_count("wrenches", bodies.len(), wrenches.len())?;
-        check_count("efforts", self.degrees_of_freedom(), efforts.len())?;
+        check_count("efforts", self.dof_count(), efforts.len())?;
         let as_twists = wrenches.iter().map(|wrench| wrench.as_ref().as_twist());
         write_components(bodies, joints, as_twists, efforts);
         Ok(())
@@ -108,10 +108,10 @@ impl<const N: usize> Tree<N> {
         let bodies = self.bodies();
         check_count("joints", bodies.len(), joints.len())?;
         check_count("wrenches", bodies.len(), wrenches.len())?;
-        check_numbers("efforts", bodies, JointKind::degrees_of_freedom, efforts)?;
+        check_numbers("efforts", bodies, JointKind::dof_count, efforts)?;
         let mut rest = efforts;
         for ((body, joint), slot) in bodies.iter().zip(joints).zip(wrenches) {
-            let of_joint = take(&mut rest, body.joint.degrees_of_freedom());
+            let of_joint = take(&mut rest, body.joint.dof_count());
             let in_joint = body.rotation_in_joint(joint.pose.rotation);
             let Twist { angular, linear } = body.joint.twist_along(in_joint, of_joint);
             *slot = Wrench::new(angular, linear);
@@ -266,10 +266,10 @@ impl<const N: usize> JointTargets<N> {
         let bodies = tree.bodies();
         check_count("joints", bodies.len(), self.states().len())?;
         check_state(bodies, q, qd)?;
-        check_numbers("qdd", bodies, JointKind::degrees_of_freedom, qdd)?;
+        check_numbers("qdd", bodies, JointKind::dof_count, qdd)?;
         let mut rest = qdd;
         for_each_state(bodies, q, qd, |joint, body, state, in_joint| {
-            let of_joint = take(&mut rest, body.joint.degrees_of_freedom());
+            let of_joint = take(&mut rest, body.joint.dof_count());
             let bias = body.joint.bias_acceleration(in_joint, state.velocity);
             let acceleration = body.joint.twist_along(in_joint, of_joint) + bias;
             // A joint that is there: counted above.
@@ -289,7 +289,7 @@ impl<const N: usize> JointTargets<N> {
         qd: &mut [f32],
         qdd: &mut [f32],
     ) -> Result<(), CoordinatesError> {
-        check_count("qdd", tree.degrees_of_freedom(), qdd.len())?;
+        check_count("qdd", tree.dof_count(), qdd.len())?;
         write_state(tree, self.states(), q, qd)?;
         tree.accelerations(self.states(), self.accelerations(), qdd)
     }
@@ -308,7 +308,7 @@ fn range(bodies: &[Body], body: usize, of_joint: impl Fn(JointKind) -> usize) ->
 /// Refuses positions and speeds that are no state of the tree.
 fn check_state(bodies: &[Body], q: &[f32], qd: &[f32]) -> Result<(), CoordinatesError> {
     check_positions(bodies, q)?;
-    check_numbers("qd", bodies, JointKind::degrees_of_freedom, qd)
+    check_numbers("qd", bodies, JointKind::dof_count, qd)
 }
 
 /// Refuses positions that are none of the tree.
@@ -335,7 +335,7 @@ fn for_each_state(
 ) {
     for (joint, body) in bodies.iter().enumerate() {
         let position = take(&mut q, body.joint.coordinate_count());
-        let speed = take(&mut qd, body.joint.degrees_of_freedom());
+        let speed = take(&mut qd, body.joint.dof_count());
         let state = body.joint.state_at(body.placement, position, speed);
         set(joint, body, state, body.rotation_in_joint(state.pose.rotation));
     }
@@ -351,7 +351,7 @@ fn write_state<const N: usize>(
     let bodies = tree.bodies();
     check_count("joints", bodies.len(), joints.len())?;
     check_count("q", tree.coordinate_count(), q.len())?;
-    check_count("qd", tree.degrees_of_freedom(), qd.len())?;
+    check_count("qd", tree.dof_count(), qd.len())?;
     for (body, joint) in bodies.iter().zip(joints) {
         let count = body.joint.coordinate_count();
         let (of_joint, rest) = mem::take(&mut q).split_at_mut_checked(count).unwrap_or_default();
@@ -370,7 +370,7 @@ fn write_components(
     mut out: &mut [f32],
 ) {
     for ((body, joint), twist) in bodies.iter().zip(joints).zip(twists) {
-        let count = body.joint.degrees_of_freedom();
+        let count = body.joint.dof_count();
         let (of_joint, rest) = mem::take(&mut out).split_at_mut_checked(count).unwrap_or_default();
         body.joint.components(body.rotation_in_joint(joint.pose.rotation), twist, of_joint);
         out = rest;

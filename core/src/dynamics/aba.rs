@@ -53,7 +53,7 @@ struct Along {
 }
 
 /// Absolute angular acceleration: `turn - per_way · (acceleration of the origin)`, and what is `held` of the
-/// carried one: by freedoms without inertia, and by a rotor.
+/// carried one: by dofs without inertia, and by a rotor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Ball {
     turn: Vec3,
@@ -92,10 +92,10 @@ impl Default for ArticulatedBody {
 ///
 /// If a slice is shorter than the tree, the bodies beyond it are left out, as if they were not there.
 ///
-/// # Freedoms without inertia
+/// # Degrees of freedom without inertia
 /// Where a joint's drive meets no resistance (massless bodies without a rotor, a point mass on a ball joint turning
 /// about its arm), or less than a millionth of what it meets in other directions, so that it cannot be told from
-/// rounding, no acceleration follows from the forces. That freedom is then held for the instant, as if it were
+/// rounding, no acceleration follows from the forces. That dof is then held for the instant, as if it were
 /// welded: the body keeps its speed along it, and the drive's force there goes nowhere. In turns of a ball
 /// joint and motions of a free one the direction is found whichever way it points.
 ///

@@ -50,7 +50,7 @@ impl ArticulatedInertia {
         Wrench { moment_nm: self.coupling * axis, force_n: self.linear * axis }
     }
 
-    /// Takes a freedom out that gives way, by its wrench per acceleration, and the acceleration along it per
+    /// Takes a dof out that gives way, by its wrench per acceleration, and the acceleration along it per
     /// force along it.
     #[inline]
     pub(crate) fn give_way(&mut self, wrench: &Wrench, per_force: f32) {

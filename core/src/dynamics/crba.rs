@@ -24,7 +24,7 @@ pub struct CompositeBody {
     arm_m: Vec3,
     /// Axes in body axes; on the way outward in the root's.
     joint: JointKind,
-    /// Row of the joint's first freedom.
+    /// Row of the joint's first dof.
     first: usize,
     /// Body axes.
     inertia: RigidInertia,
@@ -48,22 +48,22 @@ impl Default for CompositeBody {
 /// Number of degrees of freedom of all joints together.
 ///
 /// ```
-/// use sinew_core::{Body, Inertia, JointKind, Transform, dynamics::degrees_of_freedom};
+/// use sinew_core::{Body, Inertia, JointKind, Transform, dynamics::dof_count};
 /// let body = |parent, joint| {
 ///     Body { parent, joint, placement: Transform::IDENTITY, inertia: Inertia::default(), rotor_inertia: 0.0 }
 /// };
 /// let figure = [body(None, JointKind::Free), body(Some(0), JointKind::Spherical)];
-/// assert_eq!(degrees_of_freedom(&figure), 9);
+/// assert_eq!(dof_count(&figure), 9);
 /// ```
-pub fn degrees_of_freedom(bodies: &[Body]) -> usize {
-    bodies.iter().map(|body| body.joint.degrees_of_freedom()).fold(0, usize::saturating_add)
+pub fn dof_count(bodies: &[Body]) -> usize {
+    bodies.iter().map(|body| body.joint.dof_count()).fold(0, usize::saturating_add)
 }
 
 /// The joint-space mass matrix H of a pose: `½ q̇ᵀ H q̇` is the kinetic energy, and `H q̈` the forces along
-/// all freedoms that accelerate the tree from rest without gravity. The composite-rigid-body algorithm
+/// all dofs that accelerate the tree from rest without gravity. The composite-rigid-body algorithm
 /// (Featherstone, *Rigid Body Dynamics Algorithms*, 2008, ch. 6). O(n · depth), and O(D²) to clear it.
 ///
-/// - Rows and columns: the freedoms of the joints in the order of the bodies, each joint's in the order of
+/// - Rows and columns: the dofs of the joints in the order of the bodies, each joint's in the order of
 ///   the columns of its [`JointKind::motion_subspace`]: angular ones first, in body axes. Units are kg m²
 ///   between turns, kg between slides, kg m between one and the other.
 /// - `joints`: states relative to the parent; only the poses count.
@@ -71,7 +71,7 @@ pub fn degrees_of_freedom(bodies: &[Body]) -> usize {
 /// - `out`: H in full, row by row (it is symmetric to the last bit, so also column by column), in the first
 ///   D² numbers; what is behind stays.
 ///
-/// Returns D, the [`degrees_of_freedom`] of the bodies that it holds: if a slice is shorter than the tree, or
+/// Returns D, the [`dof_count`] of the bodies that it holds: if a slice is shorter than the tree, or
 /// `out` has no room for the square, the bodies beyond are left out, as if they were not there.
 ///
 /// Rotors of the drives add to the diagonal ([`Body::rotor_inertia`]).
@@ -109,7 +109,7 @@ pub fn mass_matrix(
 ) -> usize {
     let (mut count, mut size) = (0usize, 0usize);
     for ((body, joint), slot) in bodies.iter().zip(joints).zip(scratch.iter_mut()) {
-        let end = size.saturating_add(body.joint.degrees_of_freedom());
+        let end = size.saturating_add(body.joint.dof_count());
         if end.saturating_mul(end) > out.len() {
             break;
         }
@@ -145,7 +145,7 @@ pub fn mass_matrix(
         matrix.set_own_block(this);
         let CompositeBody { joint, first, inertia, .. } = *this;
         if body.rotor_inertia > 0.0 {
-            for row in (first..size).take(joint.degrees_of_freedom()) {
+            for row in (first..size).take(joint.dof_count()) {
                 matrix.add_on_diagonal(row, body.rotor_inertia);
             }
         }
@@ -206,7 +206,7 @@ impl Square<'_> {
         chunks.into_remainder().fill(0.0);
     }
 
-    /// Sets what a body's freedoms feel of each other.
+    /// Sets what a body's dofs feel of each other.
     #[inline]
     fn set_own_block(&mut self, body: &CompositeBody) {
         let CompositeBody { joint, first, inertia, .. } = *body;
@@ -240,8 +240,8 @@ impl Square<'_> {
         }
     }
 
-    /// Sets a row up to a body's own columns, and the same column: the forces along the freedoms of all bodies that
-    /// carry this one. `wrench`: what moves all beyond the body along that freedom, about its origin, in its axes.
+    /// Sets a row up to a body's own columns, and the same column: the forces along the dofs of all bodies that
+    /// carry this one. `wrench`: what moves all beyond the body along that dof, about its origin, in its axes.
     #[inline(never)]
     fn set_row(
         &mut self,
@@ -324,7 +324,7 @@ struct Rows<'a, const K: usize> {
 }
 
 impl<const K: usize> Rows<'_, K> {
-    /// Sets them. `moments`, `forces`: of the body along each of its freedoms, about its origin; root's axes.
+    /// Sets them. `moments`, `forces`: of the body along each of its dofs, about its origin; root's axes.
     #[inline]
     fn set(
         mut self,
@@ -338,7 +338,7 @@ impl<const K: usize> Rows<'_, K> {
             for (moment, force) in moments.iter_mut().zip(forces) {
                 *moment += arm_m.cross(force);
             }
-            // Not before they are needed: they would be loaded for joints of one freedom, too.
+            // Not before they are needed: they would be loaded for joints of one dof, too.
             let axes = || {
                 let Mat3 { x_axis, y_axis, z_axis } = this.rotation;
                 [x_axis, y_axis, z_axis]

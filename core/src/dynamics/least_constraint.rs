@@ -26,7 +26,7 @@ pub(crate) struct Demand {
 
 /// How a joint gives way.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Freedoms {
+pub(crate) enum MotionSubspace {
     /// To any turn.
     Ball,
     /// To anything.
@@ -93,7 +93,7 @@ pub(crate) struct AxisResponse {
     per_force: f32,
 }
 
-impl Freedoms {
+impl MotionSubspace {
     /// Of a joint whose body is turned by `relative` in the parent and by `world` in the world.
     pub(crate) fn of(body: &Body, relative: Quat, world: Quat) -> Self {
         match body.joint {
@@ -114,39 +114,39 @@ impl Freedoms {
 impl Demand {
     pub(crate) const ZERO: Self = Self { inertia: ArticulatedInertia::ZERO, wrench: Wrench::ZERO };
 
-    /// Takes a joint's freedoms out: what is left is what the joint passes on to its parent.
+    /// Takes a joint's dofs out: what is left is what the joint passes on to its parent.
     ///
     /// An axis that nothing resists stays where it is. `damping` is by how much of its own a turn or an axis
     /// resists more (Marquardt's): zero for the least itself.
-    pub(crate) fn eliminate(&mut self, freedoms: &Freedoms, damping: f32) -> Response {
-        match freedoms {
-            Freedoms::Ball => {
+    pub(crate) fn eliminate(&mut self, dofs: &MotionSubspace, damping: f32) -> Response {
+        match dofs {
+            MotionSubspace::Ball => {
                 let response = self.eliminate_turn(damping);
                 self.inertia =
                     ArticulatedInertia { linear: self.inertia.linear, ..ArticulatedInertia::ZERO };
                 self.wrench.moment_nm = Vec3::ZERO;
                 response.into()
             }
-            Freedoms::Free => {
+            MotionSubspace::Free => {
                 let BallResponse { turn, per_way } = self.eliminate_turn(damping);
                 let linear = self.inertia.linear.inverse_if_definite() * self.wrench.force_n;
                 *self = Self::ZERO;
                 Response::Free(Twist { angular: turn - per_way * linear, linear })
             }
-            Freedoms::Hinge(hinge) => Response::Hinge(self.eliminate_hinge(hinge, damping)),
-            Freedoms::Axes(axes) => Response::Axes(fixed::collect(
+            MotionSubspace::Hinge(hinge) => Response::Hinge(self.eliminate_hinge(hinge, damping)),
+            MotionSubspace::Axes(axes) => Response::Axes(fixed::collect(
                 axes.iter().map(|axis| self.eliminate_axis(axis, damping)),
             )),
         }
     }
 
     /// What [`Self::eliminate`] answers without damping, where nothing has to be passed on any more.
-    pub(crate) fn response(&self, freedoms: &Freedoms) -> Response {
-        if matches!(freedoms, Freedoms::Ball) {
+    pub(crate) fn response(&self, dofs: &MotionSubspace) -> Response {
+        if matches!(dofs, MotionSubspace::Ball) {
             return self.turn(0.0).into();
         }
         let mut demand = *self;
-        demand.eliminate(freedoms, 0.0)
+        demand.eliminate(dofs, 0.0)
     }
 
     #[inline]

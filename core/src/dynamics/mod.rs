@@ -12,7 +12,7 @@ mod rnea;
 
 pub use aba::{ArticulatedBody, forward_dynamics};
 pub(crate) use articulated_inertia::ArticulatedInertia;
-pub use crba::{CompositeBody, degrees_of_freedom, mass_matrix};
+pub use crba::{CompositeBody, dof_count, mass_matrix};
 pub use reflected::{OuterJoints, ReflectedInertia, reflected_inertia};
-pub use resolved_acceleration::{Resolved, resolved_acceleration};
+pub use resolved_acceleration::{ResolvedAccelerationScratch, resolved_acceleration};
 pub use rnea::{BodyMotion, inverse_dynamics};

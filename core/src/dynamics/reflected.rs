@@ -29,7 +29,7 @@ pub enum OuterJoints {
     Free,
 }
 
-/// Inertia against which a joint's drive works while the parent is held, along the joint's freedoms; zero
+/// Inertia against which a joint's drive works while the parent is held, along the joint's dofs; zero
 /// across them. That of its own rotor is included.
 ///
 /// ```
@@ -113,12 +113,12 @@ pub fn reflected_inertia<const N: usize>(
     for (index, (body, joint)) in bodies.iter().zip(pose.as_slice()).enumerate().rev() {
         let Some(mut inertia) = inertias.get(index).copied() else { continue };
         let in_joint = body.placement.rotation.conjugate() * joint.pose.rotation;
-        let freedoms = body.joint.motion_subspace(in_joint);
+        let dofs = body.joint.motion_subspace(in_joint);
         if let Some(slot) = reflected.get_mut(index) {
-            *slot = along(&inertia, &freedoms, body.rotor_inertia);
+            *slot = along(&inertia, &dofs, body.rotor_inertia);
         }
         if outer == OuterJoints::Free {
-            give_way(&mut inertia, &freedoms, body.rotor_inertia);
+            give_way(&mut inertia, &dofs, body.rotor_inertia);
         }
         if let Some(parent) = body.parent.and_then(|parent| inertias.get_mut(parent)) {
             parent.add(&inertia, &Mat3::from_quat(joint.pose.rotation), joint.pose.translation_m);
@@ -127,14 +127,14 @@ pub fn reflected_inertia<const N: usize>(
     reflected
 }
 
-/// What an inertia is along a joint's freedoms, each with a rotor.
-fn along(inertia: &ArticulatedInertia, freedoms: &[Twist], rotor: f32) -> ReflectedInertia {
+/// What an inertia is along a joint's dofs, each with a rotor.
+fn along(inertia: &ArticulatedInertia, dofs: &[Twist], rotor: f32) -> ReflectedInertia {
     let mut onto = Symmetric::ZERO;
     let (mut mass, mut ways) = (0.0, 0.0);
-    for freedom in freedoms {
-        onto += Symmetric::from_outer(freedom.angular, freedom.angular * 0.5);
-        let way = freedom.linear.dot(freedom.linear);
-        mass += freedom.linear.dot(inertia.linear * freedom.linear) + rotor * way;
+    for dof in dofs {
+        onto += Symmetric::from_outer(dof.angular, dof.angular * 0.5);
+        let way = dof.linear.dot(dof.linear);
+        mass += dof.linear.dot(inertia.linear * dof.linear) + rotor * way;
         ways += way;
     }
     let angular = inertia.angular.turned(&onto.to_mat3()) + onto * rotor;
@@ -144,14 +144,14 @@ fn along(inertia: &ArticulatedInertia, freedoms: &[Twist], rotor: f32) -> Reflec
     }
 }
 
-/// Takes out of an inertia what gives way along a joint's freedoms, each against a rotor: one after the other.
-fn give_way(inertia: &mut ArticulatedInertia, freedoms: &[Twist], rotor: f32) {
+/// Takes out of an inertia what gives way along a joint's dofs, each against a rotor: one after the other.
+fn give_way(inertia: &mut ArticulatedInertia, dofs: &[Twist], rotor: f32) {
     let whole = *inertia;
-    for freedom in freedoms {
-        let wrench = wrench_of(inertia, *freedom);
-        let resistance = wrench.power_w(*freedom) + rotor;
-        // What the freedoms before have taken away but for rounding has no direction left.
-        if resistance > ROUNDING * wrench_of(&whole, *freedom).power_w(*freedom) {
+    for dof in dofs {
+        let wrench = wrench_of(inertia, *dof);
+        let resistance = wrench.power_w(*dof) + rotor;
+        // What the dofs before have taken away but for rounding has no direction left.
+        if resistance > ROUNDING * wrench_of(&whole, *dof).power_w(*dof) {
             inertia.give_way(&wrench, 1.0 / resistance);
         }
     }

@@ -1,7 +1,7 @@
 //! Resolved acceleration: joint accelerations that give every body the acceleration it should have in the world.
 
 use super::articulated_inertia::ArticulatedInertia;
-use super::least_constraint::{Demand, Freedoms};
+use super::least_constraint::{Demand, MotionSubspace};
 use crate::body_weight::BodyWeights;
 use crate::joint::JointKind;
 use crate::kinematics::{carried, of_parent, velocity_products};
@@ -11,9 +11,9 @@ use crate::tree::Body;
 
 /// One body's part of [`resolved_acceleration`]: scratch.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Resolved(Demand);
+pub struct ResolvedAccelerationScratch(Demand);
 
-impl Resolved {
+impl ResolvedAccelerationScratch {
     /// Before the first use.
     pub const ZERO: Self = Self(Demand::ZERO);
 }
@@ -32,7 +32,7 @@ impl Resolved {
 ///
 /// ```
 /// use sinew_core::{Body, BodyState, Inertia, JointKind, JointStates, Twist, Transform, Tree, kinematics};
-/// use sinew_core::dynamics::{Resolved, resolved_acceleration};
+/// use sinew_core::dynamics::{ResolvedAccelerationScratch, resolved_acceleration};
 /// use sinew_core::{glam::Vec3, projection::BodyWeights};
 /// let link = |parent, joint, x| Body {
 ///     parent,
@@ -48,7 +48,7 @@ impl Resolved {
 /// let mut world = [BodyState::WORLD; 2];
 /// kinematics::body_states(arm.bodies(), joints.as_slice(), &mut world);
 /// let wanted = Twist::new(Vec3::new(0.0, 3.0, 4.0), Vec3::ZERO);
-/// let (mut accelerations, mut scratch) = ([wanted; 2], [Resolved::ZERO; 2]);
+/// let (mut accelerations, mut scratch) = ([wanted; 2], [ResolvedAccelerationScratch::ZERO; 2]);
 /// let weights = BodyWeights::rotations(&arm);
 /// resolved_acceleration(
 ///     arm.bodies(), joints.as_slice(), &world, &weights, &mut scratch, &mut accelerations,
@@ -61,10 +61,10 @@ pub fn resolved_acceleration<const N: usize>(
     joints: &[JointState],
     world: &[BodyState],
     weights: &BodyWeights<N>,
-    scratch: &mut [Resolved],
+    scratch: &mut [ResolvedAccelerationScratch],
     accelerations: &mut [Twist],
 ) {
-    for ((weight, wanted), Resolved(demand)) in
+    for ((weight, wanted), ResolvedAccelerationScratch(demand)) in
         weights.as_slice().iter().zip(accelerations.iter()).zip(scratch.iter_mut())
     {
         let inertia =
@@ -75,38 +75,38 @@ pub fn resolved_acceleration<const N: usize>(
     // Inward: what every joint should do, whatever its parent does.
     for (index, ((body, joint), state)) in bodies.iter().zip(joints).zip(world).enumerate().rev() {
         let parent = of_parent(body, world, &BodyState::WORLD);
-        let Some(Resolved(demand)) = scratch.get_mut(index) else { continue };
+        let Some(ResolvedAccelerationScratch(demand)) = scratch.get_mut(index) else { continue };
         // What velocities do is done; the joint is asked for the rest.
         let moving = by_velocities(body, parent, state, joint);
         demand.wrench = demand.wrench - demand.inertia.wrench(moving);
         let mut passed_on = *demand;
-        passed_on.eliminate(&freedoms(body, joint, state), 0.0);
+        passed_on.eliminate(&dofs(body, joint, state), 0.0);
         if passed_on == Demand::ZERO {
             // A joint that can do all that is wanted beyond it, as most can where only turns count.
             continue;
         }
         let arm = state.pose.translation_m - parent.pose.translation_m;
         let of_parent = body.parent.and_then(|parent| scratch.get_mut(parent));
-        if let Some(Resolved(parent)) = of_parent {
+        if let Some(ResolvedAccelerationScratch(parent)) = of_parent {
             parent.add_child(&passed_on, arm);
         }
     }
 
     // Outward: what it does, now that its parent's acceleration is known.
-    for (index, (((body, joint), state), Resolved(demand))) in
+    for (index, (((body, joint), state), ResolvedAccelerationScratch(demand))) in
         bodies.iter().zip(joints).zip(world).zip(scratch.iter()).enumerate()
     {
         let parent = of_parent(body, world, &BodyState::WORLD);
         let carried = carried(*of_parent(body, accelerations, &Twist::ZERO), parent, state);
-        let response = demand.response(&freedoms(body, joint, state));
+        let response = demand.response(&dofs(body, joint, state));
         let moving = by_velocities(body, parent, state, joint);
         let Some(slot) = accelerations.get_mut(index) else { return };
         *slot = response.motion(carried, |_, step| step) + moving;
     }
 }
 
-fn freedoms(body: &Body, joint: &JointState, state: &BodyState) -> Freedoms {
-    Freedoms::of(body, joint.pose.rotation, state.pose.rotation)
+fn dofs(body: &Body, joint: &JointState, state: &BodyState) -> MotionSubspace {
+    MotionSubspace::of(body, joint.pose.rotation, state.pose.rotation)
 }
 
 /// What a body's acceleration is with nothing of its parent's and none of its joint's axes. World axes.

@@ -34,7 +34,7 @@ impl<const N: usize> PoseSpace<'_, N> {
             // How a leaf is turned moves no joint.
             let turns = !self.tree.is_leaf(index);
             if self.leaves_out(body) {
-                *of_line = OnLine::WORLD;
+                *of_line = LineSample::WORLD;
             } else {
                 let (start, step) = chart::way(body.joint, a, b);
                 of_line.start(body, turns, &start, &step);
@@ -59,7 +59,7 @@ impl<const N: usize> PoseSpace<'_, N> {
     fn four_steps(&self, t: Four, is_first: bool, workspace: &mut LineWorkspace<N>) -> Four {
         let mut squared = Four::ZERO;
         for (index, (body, weight)) in self.weighted().enumerate() {
-            let parent = *of_parent(body, &workspace.bodies, &OnLine::WORLD);
+            let parent = *of_parent(body, &workspace.bodies, &LineSample::WORLD);
             let Some(of_line) = workspace.bodies.get_mut(index) else { break };
             of_line.place(body, &parent, t);
             let [x, y, z] = of_line.position_m;
@@ -76,13 +76,13 @@ impl<const N: usize> PoseSpace<'_, N> {
 /// Scratch memory of [`PoseSpace::line_distance`], for rigs of capacity `N`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LineWorkspace<const N: usize> {
-    bodies: [OnLine; N],
+    bodies: [LineSample; N],
 }
 
 impl<const N: usize> LineWorkspace<N> {
     /// A workspace.
     pub fn new() -> Self {
-        Self { bodies: [OnLine::WORLD; N] }
+        Self { bodies: [LineSample::WORLD; N] }
     }
 }
 
@@ -94,7 +94,7 @@ impl<const N: usize> Default for LineWorkspace<N> {
 
 /// One body on the line: where its joint starts and goes, and where that puts the body at four points.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct OnLine {
+struct LineSample {
     /// Half the rotation vector, and the joint's own place in the parent.
     half_rad: Vec3,
     half_step_rad: Vec3,
@@ -110,7 +110,7 @@ struct OnLine {
     last_m: [f32; 3],
 }
 
-impl OnLine {
+impl LineSample {
     const WORLD: Self = Self {
         half_rad: Vec3::ZERO,
         half_step_rad: Vec3::ZERO,

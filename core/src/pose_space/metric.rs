@@ -4,7 +4,7 @@ use glam::{Quat, Vec3};
 use heapless::Vec;
 
 use super::{BodyPoses, JointRotations, PoseCoordinates, PoseSpace, chart};
-use crate::dynamics::degrees_of_freedom;
+use crate::dynamics::dof_count;
 use crate::fixed;
 use crate::joint::JointKind;
 use crate::kinematics::of_parent;
@@ -186,8 +186,8 @@ impl<const N: usize> PoseSpace<'_, N> {
     pub fn dimensions(&self) -> usize {
         let bodies = self.tree.bodies();
         let root = bodies.iter().filter(|body| self.leaves_out(body));
-        let left_out: usize = root.map(|body| body.joint.degrees_of_freedom()).sum();
-        degrees_of_freedom(bodies).saturating_sub(left_out)
+        let left_out: usize = root.map(|body| body.joint.dof_count()).sum();
+        dof_count(bodies).saturating_sub(left_out)
     }
 
     fn let_through(

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::JointRange;
-use crate::dynamics::least_constraint::{Axis, Freedoms, Hinge, Response};
+use crate::dynamics::least_constraint::{Axis, Hinge, MotionSubspace, Response};
 use crate::joint::JointKind;
 use crate::math;
 use crate::transform::{Transform, Twist};
@@ -73,10 +73,10 @@ impl Joint {
     }
 
     /// How the joint gives way, in world axes, its body at `pose` there.
-    pub(super) fn freedoms(&self, body: &Body, pose: &Transform) -> Freedoms {
+    pub(super) fn dofs(&self, body: &Body, pose: &Transform) -> MotionSubspace {
         let held = |index: u8| self.pressed & (1 << index) != 0;
         match body.joint {
-            JointKind::Free => Freedoms::Free,
+            JointKind::Free => MotionSubspace::Free,
             JointKind::Spherical if held(0) => {
                 // The way out first, then the two across it: along the border, and round itself.
                 let from_zero = body.placement.rotation.conjugate() * self.pose.rotation;
@@ -84,21 +84,22 @@ impl Joint {
                 let helper = if out.x.abs() < 0.7 { Vec3::X } else { Vec3::Y };
                 let across = direction(out.cross(helper));
                 let turns = [(out, true), (across, false), (out.cross(across), false)];
-                Freedoms::Axes(
+                MotionSubspace::Axes(
                     turns
                         .map(|(axis, held)| Axis { motion: Twist::new(axis, Vec3::ZERO), held })
                         .into_iter()
                         .collect(),
                 )
             }
-            JointKind::Spherical => Freedoms::Ball,
+            JointKind::Spherical => MotionSubspace::Ball,
             // As below, with nothing to ask of where it stands.
-            JointKind::Revolute { axis } => {
-                Freedoms::Hinge(Hinge { axis: math::rotate(pose.rotation, axis), held: held(0) })
-            }
+            JointKind::Revolute { axis } => MotionSubspace::Hinge(Hinge {
+                axis: math::rotate(pose.rotation, axis),
+                held: held(0),
+            }),
             kind => {
                 let subspace = kind.motion_subspace(kind.at(self.along).rotation);
-                Freedoms::Axes(
+                MotionSubspace::Axes(
                     (0..)
                         .zip(&subspace)
                         .take(2)

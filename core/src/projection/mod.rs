@@ -13,7 +13,7 @@ pub use range::JointRange;
 
 pub use crate::body_weight::{BodyWeight, BodyWeights, BodyWeightsError};
 use crate::dynamics::ArticulatedInertia;
-use crate::dynamics::least_constraint::{Demand, Freedoms, Response};
+use crate::dynamics::least_constraint::{Demand, MotionSubspace, Response};
 use crate::fixed;
 use crate::joint::JointKind;
 use crate::math;
@@ -302,12 +302,12 @@ impl<const N: usize> ProjectionWorkspace<N> {
                 }
                 continue;
             }
-            let freedoms = if projection.is_rigid(body) {
-                Freedoms::Axes(Vec::new())
+            let dofs = if projection.is_rigid(body) {
+                MotionSubspace::Axes(Vec::new())
             } else {
-                joint.freedoms(body, &solved.pose)
+                joint.dofs(body, &solved.pose)
             };
-            solved.response = solved.demand.eliminate(&freedoms, damping);
+            solved.response = solved.demand.eliminate(&dofs, damping);
             if let Some(parent) = parent {
                 let arm = solved.pose.translation_m - parent.pose.translation_m;
                 parent.demand.add_child(&solved.demand, arm);

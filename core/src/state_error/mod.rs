@@ -98,7 +98,7 @@ impl StateError {
 ///
 /// ```
 /// use sinew_core::state_error::{Aims, Compensation, Method, References};
-/// use sinew_core::{Body, Controller, ControllerError, Inertia, JointKind, Transform, Tree};
+/// use sinew_core::{Body, TorqueController, ControllerError, Inertia, JointKind, Transform, Tree};
 /// use sinew_core::control::Gains;
 /// # let body = |parent| Body {
 /// #     parent,
@@ -115,11 +115,11 @@ impl StateError {
 /// let egocentric = Method::Accumulated(References::egocentric(&figure));
 /// let gains = Gains::critically_damped(200.0)?;
 /// for method in [Method::Local, Method::World, egocentric, linear_compensation.clone()] {
-///     Controller::new(figure.clone(), gains, method)?;
+///     TorqueController::new(figure.clone(), gains, method)?;
 /// }
 /// // What was made for another figure is refused.
 /// let other = Tree::<3>::from_bodies(&[body(None)])?;
-/// let refused = Controller::new(other, gains, linear_compensation);
+/// let refused = TorqueController::new(other, gains, linear_compensation);
 /// assert!(matches!(refused, Err(ControllerError::Aims(_))));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

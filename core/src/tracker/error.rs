@@ -191,7 +191,7 @@ pub enum TrackerError {
     /// The supply has weights that [`Settings::sharing`](super::Settings::sharing) has no use for, or lacks them.
     SupplyWeights,
     /// With the method `recommended`, the latency and the tick together take longer than
-    /// [`LATE_MOST_S`](super::LATE_MOST_S).
+    /// [`MAX_DELAY_S`](super::MAX_DELAY_S).
     TooLate,
 }
 

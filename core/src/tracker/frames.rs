@@ -74,7 +74,7 @@ impl<'a, const K: usize> From<&'a [Transform; K]> for Measured<'a> {
 /// # assert_eq!(Hold([Transform::IDENTITY]).frame(3), Frame::Poses(&[Transform::IDENTITY]));
 /// ```
 pub trait FrameSource {
-    /// The frame of that number. Negative ones lie before the performance: see [`before_the_first`]. Beyond the end,
+    /// The frame of that number. Negative ones lie before the performance: see [`extrapolate_before_start`]. Beyond the end,
     /// the last one is held.
     fn frame(&mut self, index: i32) -> Frame<'_>;
 }
@@ -89,11 +89,11 @@ impl<S: FrameSource + ?Sized> FrameSource for &mut S {
 /// begins with the velocity of its first step.
 ///
 /// ```
-/// use sinew_core::{Transform, glam::Vec3, tracker::before_the_first};
+/// use sinew_core::{Transform, glam::Vec3, tracker::extrapolate_before_start};
 /// let [first, second] = [1.0, 3.0].map(|x| Transform::from_translation(Vec3::X * x));
-/// assert_eq!(before_the_first(&first, &second, 2).translation_m.x, -3.0);
+/// assert_eq!(extrapolate_before_start(&first, &second, 2).translation_m.x, -3.0);
 /// ```
-pub fn before_the_first(first: &Transform, second: &Transform, frames: u32) -> Transform {
+pub fn extrapolate_before_start(first: &Transform, second: &Transform, frames: u32) -> Transform {
     // Few: as many as differences look back, and latencies are long.
     #[expect(clippy::cast_precision_loss, reason = "a small number")]
     let frames = frames as f32;

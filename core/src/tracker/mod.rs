@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! frames ── (manifold projection) ── differences ───────┐
-//!                                                       ├── Controller ── (supply) ──> torques
+//!                                                       ├── TorqueController ── (supply) ──> torques
 //! readings ── backward differences, or an observer ─────┘                    │
 //!                          ▲                                                 │
 //!                          └──────────────── commanded accelerations ────────┘
@@ -18,7 +18,7 @@ mod timing;
 
 use crate::body_weight::BodyWeight;
 use crate::control::{Limited, TorqueLimit};
-use crate::controller::{Controller, ControllerError, Workspace};
+use crate::controller::{ControllerError, TorqueController, Workspace};
 use crate::coordinates::{CoordinatesError, DofCommand};
 use crate::joint_states::JointStates;
 use crate::joint_targets::JointTargets;
@@ -32,14 +32,15 @@ use desired::Desired;
 use estimate::Estimate;
 
 pub use error::{InputError, SettingError, StepError, TrackerError};
-pub use frames::{Frame, FrameSource, Measured, before_the_first};
+pub use frames::{Frame, FrameSource, Measured, extrapolate_before_start};
 pub use names::{
     AimName, DesiredVelocity, Differences, GainsName, MethodName, Sharing, WeightsName,
 };
 pub use settings::{
-    BANDWIDTH_RAD_S, ObserverChoice, ProjectionSettings, ROTATION_M, ResolvedSettings, Settings,
+    BANDWIDTH_RAD_S, ObserverChoice, ProjectionSettings, RECOMMENDED_ROTATION_WEIGHT_M,
+    ResolvedSettings, Settings,
 };
-pub use timing::{LATE_MOST_S, Timing};
+pub use timing::{MAX_DELAY_S, Timing};
 
 /// Tracks a performance with a rig of up to `N` bodies: frames and readings in, limited torques out, one call a tick.
 ///
@@ -88,7 +89,7 @@ pub use timing::{LATE_MOST_S, Timing};
 /// ```
 #[derive(Debug)]
 pub struct Tracker<const N: usize, const D: usize = 1, const R: usize = 0> {
-    controller: Controller<N>,
+    controller: TorqueController<N>,
     desired: Desired<N>,
     estimate: Estimate<N, D>,
     supply: Option<TorqueSupply<N>>,
@@ -128,7 +129,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     #[inline(never)]
     pub fn empty() -> Self {
         Self {
-            controller: Controller::of_nothing(),
+            controller: TorqueController::of_nothing(),
             desired: Desired::empty(),
             estimate: Estimate::empty(),
             supply: None,
@@ -170,7 +171,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     /// The same with a torque limit for each joint.
     ///
     /// # Errors
-    /// [`ControllerError`] as [`Controller::with_limits`].
+    /// [`ControllerError`] as [`TorqueController::with_limits`].
     pub fn with_limits(self, limits: &[TorqueLimit]) -> Result<Self, ControllerError> {
         Ok(Self { controller: self.controller.with_limits(limits)?, ..self })
     }
@@ -178,7 +179,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     /// The same in another field of gravity, m/s², world axes. Default: 9.81 m/s² along -y.
     ///
     /// # Errors
-    /// [`ControllerError`] as [`Controller::with_gravity`].
+    /// [`ControllerError`] as [`TorqueController::with_gravity`].
     pub fn with_gravity(self, gravity_m_s2: glam::Vec3) -> Result<Self, ControllerError> {
         Ok(Self { controller: self.controller.with_gravity(gravity_m_s2)?, ..self })
     }
@@ -306,7 +307,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     }
 
     /// The rig's controller.
-    pub fn controller(&self) -> &Controller<N> {
+    pub fn controller(&self) -> &TorqueController<N> {
         &self.controller
     }
 
@@ -325,7 +326,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         &self.workspace
     }
 
-    /// State errors of the last tick, see [`Controller::errors`].
+    /// State errors of the last tick, see [`TorqueController::errors`].
     pub fn errors(&mut self, out: &mut [StateError]) {
         let states = self.estimate.states();
         self.controller.errors(self.desired.targets_mut(), states, &mut self.workspace, out);
@@ -339,7 +340,7 @@ pub struct Tick<'t, const N: usize, const D: usize = 1, const R: usize = 0> {
 }
 
 impl<const N: usize, const D: usize, const R: usize> Tick<'_, N, D, R> {
-    /// The wrench of each joint's drive, as [`Controller::tick`] gives it.
+    /// The wrench of each joint's drive, as [`TorqueController::tick`] gives it.
     pub fn torques(&self) -> &[Limited<Wrench>] {
         let count = self.tracker.controller.tree().len();
         self.tracker.workspace.torques().get(..count).unwrap_or_default()
@@ -355,7 +356,7 @@ impl<const N: usize, const D: usize, const R: usize> Tick<'_, N, D, R> {
     }
 
     /// What each degree of freedom is asked for: target, feed-forward and feedback effort, and what limited it. See
-    /// [`Controller::dof_commands`]. O(n).
+    /// [`TorqueController::dof_commands`]. O(n).
     ///
     /// # Errors
     /// [`CoordinatesError::Count`] if `out` has not one item for each degree of freedom.
@@ -369,7 +370,7 @@ impl<const N: usize, const D: usize, const R: usize> Tick<'_, N, D, R> {
 // Not within the tick, whose frame on the stack every rig would pay for.
 #[inline(never)]
 fn share<const N: usize, const R: usize>(
-    controller: &Controller<N>,
+    controller: &TorqueController<N>,
     supply: &TorqueSupply<N>,
     sharing: Sharing,
     states: &JointStates<N>,

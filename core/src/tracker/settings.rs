@@ -2,7 +2,7 @@
 
 use crate::body_weight::{BodyWeight, BodyWeights};
 use crate::control::{ControlLaw, Gains};
-use crate::controller::Controller;
+use crate::controller::TorqueController;
 use crate::dynamics::{OuterJoints, reflected_inertia};
 use crate::importance::{RestPose, descendants_length};
 use crate::joint_states::JointStates;
@@ -17,7 +17,7 @@ use super::names::{
 };
 
 /// What a turn counts against a distance in the projection, as it is recommended: 1 rad as much as half a metre.
-pub const ROTATION_M: f32 = 0.5;
+pub const RECOMMENDED_ROTATION_WEIGHT_M: f32 = 0.5;
 
 /// Bandwidth of the recommended observer, where a tick is not longer than one over it.
 pub const BANDWIDTH_RAD_S: f32 = 100.0;
@@ -128,7 +128,7 @@ pub struct ProjectionSettings {
 impl Default for ProjectionSettings {
     fn default() -> Self {
         Self {
-            rotation_m: ROTATION_M,
+            rotation_m: RECOMMENDED_ROTATION_WEIGHT_M,
             weights: WeightsName::Uniform,
             root_held: false,
             sweeps: DEFAULT_SWEEPS,
@@ -356,8 +356,8 @@ impl Settings {
         &self,
         tree: Tree<N>,
         dt_s: f32,
-    ) -> Result<Controller<N>, TrackerError> {
-        let mut controller = Controller::of_nothing();
+    ) -> Result<TorqueController<N>, TrackerError> {
+        let mut controller = TorqueController::of_nothing();
         self.set_controller(&mut controller, &tree, dt_s)?;
         Ok(controller)
     }
@@ -367,7 +367,7 @@ impl Settings {
     #[inline(never)]
     pub(super) fn set_controller<const N: usize>(
         &self,
-        controller: &mut Controller<N>,
+        controller: &mut TorqueController<N>,
         tree: &Tree<N>,
         dt_s: f32,
     ) -> Result<(), TrackerError> {

@@ -6,7 +6,7 @@ use super::error::{SettingError, TrackerError};
 
 /// The longest time from a measurement to the end of the tick that its torque acts in, in s, for the recommended
 /// setting: beyond it, every simulated rig with masses off by 15 % and sensors of 12 bits was lost.
-pub const LATE_MOST_S: f32 = 0.010;
+pub const MAX_DELAY_S: f32 = 0.010;
 
 /// When a tracker acts: its period, and how late its torques are.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,7 +31,7 @@ impl Timing {
     }
 
     /// Refuses a timing at which simulated rigs with the recommended setting were lost: a torque that ends more than
-    /// [`LATE_MOST_S`] after its measurement. 100 ticks a second without latency will do, 500 with up to 4 ticks of it.
+    /// [`MAX_DELAY_S`] after its measurement. 100 ticks a second without latency will do, 500 with up to 4 ticks of it.
     ///
     /// [`Tracker::new`](super::Tracker::new) checks this of the method
     /// [`MethodName::Recommended`](super::MethodName::Recommended).
@@ -41,7 +41,7 @@ impl Timing {
     pub fn check_recommended(self) -> Result<(), TrackerError> {
         let ticks = u16::try_from(self.latency_ticks).unwrap_or(u16::MAX);
         // A thousandth takes up the rounding of the period. Written so that NaN fails.
-        if (f32::from(ticks) + 1.0) * self.dt_s <= LATE_MOST_S * 1.001 {
+        if (f32::from(ticks) + 1.0) * self.dt_s <= MAX_DELAY_S * 1.001 {
             Ok(())
         } else {
             Err(TrackerError::TooLate)

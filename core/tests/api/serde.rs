@@ -12,8 +12,8 @@ use sinew_core::state_error::{
     Aim, AimStatus, Aims, Compensation, Method, RateTerm, References, StateError,
 };
 use sinew_core::{
-    Body, BodySet, BodyState, Controller, Inertia, JointKind, JointState, JointStates,
-    JointTargets, RotationalInertia, Transform, Tree, Twist, Workspace, Wrench, math,
+    Body, BodySet, BodyState, Inertia, JointKind, JointState, JointStates, JointTargets,
+    RotationalInertia, TorqueController, Transform, Tree, Twist, Workspace, Wrench, math,
 };
 
 /// Through a text and through a compact format for microcontrollers.
@@ -163,18 +163,18 @@ fn controllers_come_back() {
     let gains = Gains::critically_damped(200.0).unwrap();
     for method in methods {
         round_trip(&method);
-        let controller = Controller::new(tree.clone(), gains, method).unwrap();
+        let controller = TorqueController::new(tree.clone(), gains, method).unwrap();
         round_trip(&controller.with_gravity(Vec3::new(0.0, -1.62, 0.0)).unwrap());
     }
     let limits: Vec<_> = (0..6u8).map(|i| TorqueLimit::new(f32::from(i), 0.0).unwrap()).collect();
     let own: Vec<_> = (0..6u8).map(|i| Gains::new(f32::from(i), 0.1).unwrap()).collect();
-    let controller = Controller::new(tree, gains, Method::World)
+    let controller = TorqueController::new(tree, gains, Method::World)
         .unwrap()
         .with_limits(&limits)
         .unwrap()
         .with_joint_gains(&own)
         .unwrap()
-        .with_pd_of_inertia(&[ReflectedInertia::default(); 6])
+        .with_inertia_scaled_pd(&[ReflectedInertia::default(); 6])
         .unwrap();
     round_trip(&controller);
     round_trip(&controller.with_law(ControlLaw::InverseDynamics).unwrap());
@@ -363,14 +363,14 @@ fn what_fits_no_tree_is_refused_and_what_fits_another_by_the_controller() {
     let tree = tree();
     let gains = Gains::critically_damped(200.0).unwrap();
     let mut controller =
-        serde_json::to_value(Controller::new(tree, gains, Method::World).unwrap()).unwrap();
+        serde_json::to_value(TorqueController::new(tree, gains, Method::World).unwrap()).unwrap();
     // A chain, which the tree is not.
     controller["method"] = serde_json::json!({"accumulated": [null, 0, 1, 2, 3, 4]});
-    let message = refused::<Controller<8>>(&controller.to_string());
+    let message = refused::<TorqueController<8>>(&controller.to_string());
     assert!(message.contains("another tree") && message.contains("joint 2"), "{message}");
     controller["method"] = "world".into();
     controller["gains"].as_array_mut().unwrap().pop();
-    let message = refused::<Controller<8>>(&controller.to_string());
+    let message = refused::<TorqueController<8>>(&controller.to_string());
     assert!(message.contains("6 joints need as many gains, 5 were given"), "{message}");
 }
 
@@ -397,14 +397,15 @@ fn damaged_bytes_are_refused_or_make_a_usable_controller() {
     };
     let gains = Gains::critically_damped(200.0).unwrap();
     let limits = [TorqueLimit::new(30.0, 100.0).unwrap(); 6];
-    let controller = Controller::new(tree, gains, method).unwrap().with_limits(&limits).unwrap();
+    let controller =
+        TorqueController::new(tree, gains, method).unwrap().with_limits(&limits).unwrap();
     let mut buffer = [0; 4096];
     let bytes = postcard::to_slice(&controller, &mut buffer).unwrap();
     let mut workspace = Workspace::new();
     let (mut refused, mut usable) = (0, 0);
     for bit in 0..bytes.len() * 8 {
         bytes[bit / 8] ^= 1 << (bit % 8);
-        if let Ok(read) = postcard::from_bytes::<Controller<8>>(bytes) {
+        if let Ok(read) = postcard::from_bytes::<TorqueController<8>>(bytes) {
             let (mut targets, measured) =
                 (JointTargets::rest(read.tree()), JointStates::rest(read.tree()));
             let torques = read.tick(&mut targets, &measured, &[], &mut workspace);
@@ -417,7 +418,7 @@ fn damaged_bytes_are_refused_or_make_a_usable_controller() {
         bytes[bit / 8] ^= 1 << (bit % 8);
     }
     for length in 0..bytes.len() {
-        assert!(postcard::from_bytes::<Controller<8>>(&bytes[..length]).is_err(), "{length}");
+        assert!(postcard::from_bytes::<TorqueController<8>>(&bytes[..length]).is_err(), "{length}");
     }
     assert!(refused > 500 && usable > 500, "{refused} refused, {usable} usable");
 }

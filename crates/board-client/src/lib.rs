@@ -31,13 +31,13 @@ mod board;
 mod error;
 mod line;
 pub mod port;
-mod seen;
 mod servos;
+mod telemetry_log;
 mod upload;
 
 pub use board::{Board, nonce};
 pub use error::ClientError;
 pub use line::{Line, SerialBoard};
-pub use seen::{Seen, TimedPose};
 pub use servos::BoardServos;
+pub use telemetry_log::{Seen, TimedPose};
 pub use upload::item;

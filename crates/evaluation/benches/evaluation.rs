@@ -17,7 +17,7 @@ use sinew_figure::builtin;
 use sinew_figure::pipeline::{self, Settings};
 use sinew_figure::plant::MassProperties;
 use sinew_figure::plant::{
-    Drive, Freedom, Mechanism, MovingPose, PlantKind, PlantSettings, Pose, link,
+    Drive, JointModel, Mechanism, MovingPose, PlantKind, PlantSettings, Pose, link,
 };
 use sinew_figure::{BODIES, Body, FigureMotion};
 
@@ -114,8 +114,10 @@ fn fall(settings: PlantSettings, steps: usize) {
         rotational_kg_m2: DMat3::from_diagonal(DVec3::new(0.03, 0.02, 0.03)),
     };
     let body = |body: &Body| match body.parent {
-        None => link(None, Freedom::Free, DVec3::ZERO, &mass),
-        Some(parent) => link(Some(parent), Freedom::Spherical, DVec3::new(0.0, 0.25, 0.0), &mass),
+        None => link(None, JointModel::Free, DVec3::ZERO, &mass),
+        Some(parent) => {
+            link(Some(parent), JointModel::Spherical, DVec3::new(0.0, 0.25, 0.0), &mass)
+        }
     };
     let bodies: Vec<_> = BODIES.iter().map(body).collect();
     let mut start: Vec<MovingPose> = Vec::new();

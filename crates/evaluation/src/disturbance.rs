@@ -10,7 +10,7 @@ use sinew_core::glam::{Quat, Vec3};
 use sinew_core::{Transform, Wrench, math};
 use sinew_figure::plant::Pose;
 use sinew_host_util::random::{Random, Subject};
-use sinew_rig::mechanism::{Freedom, Link, Mechanism};
+use sinew_rig::mechanism::{JointModel, Link, Mechanism};
 
 use super::controller::narrow;
 
@@ -108,7 +108,7 @@ impl Disturbance {
                 return TorqueLimit::NONE;
             }
             let (torque_nm, force_n) = match link.joint {
-                Freedom::Prismatic(_) => (self.torque_limit_nm, link.effort),
+                JointModel::Prismatic(_) => (self.torque_limit_nm, link.effort),
                 _ => (self.torque_limit_nm.min(link.effort), f64::INFINITY),
             };
             let limit = TorqueLimit::new(narrow(torque_nm), narrow(force_n));
@@ -155,7 +155,7 @@ impl Sensors {
             for (link, joint) in links.iter().zip(&mut *joints) {
                 let way_m = match (link.parent, link.joint) {
                     (None, _) => (self.random.normal3() * self.noise_m).as_vec3(),
-                    (_, Freedom::Prismatic(axis)) => {
+                    (_, JointModel::Prismatic(axis)) => {
                         let noise_m = self.random.normal3().x * self.noise_m;
                         (link.rotation * axis * noise_m).as_vec3()
                     }
@@ -176,10 +176,10 @@ impl Sensors {
 fn turn_of_joint(link: &Link, joint: &Transform, turn: Vec3) -> Vec3 {
     let along = |axis: Vec3| axis * axis.dot(turn);
     match (link.parent, link.joint) {
-        (None, _) | (_, Freedom::Spherical | Freedom::Free) => turn,
-        (_, Freedom::Fixed | Freedom::Prismatic(_)) => Vec3::ZERO,
-        (_, Freedom::Revolute(axis)) => along(axis.as_vec3()),
-        (_, Freedom::Universal([first, second])) => {
+        (None, _) | (_, JointModel::Spherical | JointModel::Free) => turn,
+        (_, JointModel::Fixed | JointModel::Prismatic(_)) => Vec3::ZERO,
+        (_, JointModel::Revolute(axis)) => along(axis.as_vec3()),
+        (_, JointModel::Universal([first, second])) => {
             let first = joint.rotation.conjugate() * (link.rotation * first).as_vec3();
             along(first) + along(second.as_vec3())
         }
@@ -189,12 +189,12 @@ fn turn_of_joint(link: &Link, joint: &Transform, turn: Vec3) -> Vec3 {
 /// A rotation of a joint in its parent's frame as sensors with steps tell it.
 fn in_steps(link: &Link, rotation: Quat, step_rad: f32) -> Quat {
     match (link.parent, link.joint) {
-        (None, _) | (_, Freedom::Spherical | Freedom::Free) => {
+        (None, _) | (_, JointModel::Spherical | JointModel::Free) => {
             let steps = (math::log(rotation) / step_rad).map(f32::round_ties_even);
             math::exp(steps * step_rad)
         }
-        (_, Freedom::Fixed | Freedom::Prismatic(_)) => rotation,
-        (_, Freedom::Revolute(_) | Freedom::Universal(_)) => {
+        (_, JointModel::Fixed | JointModel::Prismatic(_)) => rotation,
+        (_, JointModel::Revolute(_) | JointModel::Universal(_)) => {
             let step_rad = f64::from(step_rad);
             let in_joint = link.rotation.conjugate() * rotation.as_dquat();
             let in_joint = Pose { rotation: in_joint, position_m: DVec3::ZERO };

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use sinew_core::tracker::MethodName;
 use sinew_figure::Dimensions;
-use sinew_rig::mechanism::Freedom;
+use sinew_rig::mechanism::JointModel;
 
 use super::detail::Detail;
 use super::error::{EvaluateError, RunError};
@@ -222,7 +222,7 @@ pub fn evaluate<T: Take>(
     let made = takes.first().and_then(|take| Rig::of(take, &protocol.setup).ok());
     let links = made.as_ref().map_or(&[][..], |rig| &rig.links()[rig.first_judged()..]);
     let bodies = links.iter().map(|link| link.name.clone()).collect();
-    let driven = made.is_some_and(|rig| rig.links()[0].joint == Freedom::Free);
+    let driven = made.is_some_and(|rig| rig.links()[0].joint == JointModel::Free);
     Ok(Evaluation { rig, bodies, driven, setup: protocol.setup.clone(), clips, figures })
 }
 

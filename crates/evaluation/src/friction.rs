@@ -5,14 +5,14 @@ use sinew_core::Wrench;
 use sinew_core::glam::Vec3;
 use sinew_figure::plant::Pose;
 use sinew_rig::drive::Friction;
-use sinew_rig::mechanism::{Freedom, Link};
+use sinew_rig::mechanism::{JointModel, Link};
 
 use super::controller::narrow;
 use super::reference::{Performance, rotation_vector};
 
 /// The drives of a rig whose joints have friction.
 pub(super) struct FrictionFeed {
-    /// Of each body's joint: its friction along every freedom, and the most that its drive gives.
+    /// Of each body's joint: its friction along every dof, and the most that its drive gives.
     joints: Vec<(Friction, f32)>,
     now: Vec<Pose>,
     next: Vec<Pose>,
@@ -27,7 +27,7 @@ impl FrictionFeed {
                 [link.friction, link.damping].map(|x| x.min(f64::from(f32::MAX)));
             let friction = Friction::new(narrow(coulomb), narrow(viscous));
             let most = match link.joint {
-                Freedom::Prismatic(_) => link.effort,
+                JointModel::Prismatic(_) => link.effort,
                 _ => link.effort.min(torque_limit_nm),
             };
             (friction.expect("checked with the rig to be from 0"), narrow(most))
@@ -52,7 +52,7 @@ impl FrictionFeed {
         let mut limited = 0;
         let joints = links.iter().zip(&self.joints).zip(poses).zip(wrenches);
         for (((link, (friction, most)), (now, next)), wrench) in joints {
-            if friction.is_none() || link.joint == Freedom::Free {
+            if friction.is_none() || link.joint == JointModel::Free {
                 continue;
             }
             let moved = now.inside(next);

@@ -2,9 +2,9 @@
 
 use glam::{DQuat, DVec3};
 use sinew_core::Transform;
-use sinew_core::tracker::{Frame, FrameSource, before_the_first};
+use sinew_core::tracker::{Frame, FrameSource, extrapolate_before_start};
 use sinew_figure::plant::{MovingPose, Pose};
-use sinew_rig::mechanism::{Freedom, Link};
+use sinew_rig::mechanism::{JointModel, Link};
 
 use super::setup::Setup;
 use super::take::Take;
@@ -27,7 +27,7 @@ impl Performance<'_> {
     fn on_rig(&self, frame: usize) -> Vec<Pose> {
         let mut poses = Vec::new();
         let position_m = |link: &Link, pose: &Pose| match link.joint {
-            Freedom::Prismatic(_) | Freedom::Free => pose.position_m,
+            JointModel::Prismatic(_) | JointModel::Free => pose.position_m,
             _ => link.position_m,
         };
         self.world_poses(frame, position_m, &mut poses);
@@ -89,7 +89,7 @@ impl FrameSource for Frames<'_> {
             let second = self.joints.clone();
             self.read(0);
             for (joint, second) in self.joints.iter_mut().zip(&second) {
-                *joint = before_the_first(joint, second, index.unsigned_abs());
+                *joint = extrapolate_before_start(joint, second, index.unsigned_abs());
             }
         }
         Frame::Poses(&self.joints)

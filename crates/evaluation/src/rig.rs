@@ -3,7 +3,7 @@
 use glam::DVec3;
 use sinew_core::{Transform, Tree, TreeError};
 use sinew_figure::plant::Pose;
-use sinew_rig::mechanism::{Freedom, Link, Mechanism};
+use sinew_rig::mechanism::{JointModel, Link, Mechanism};
 
 use super::error::RunError;
 use super::levers::Levers;
@@ -29,7 +29,7 @@ impl Rig {
     /// [`RunError`] if there is none, its measures do not survive f32, or it has no surface.
     pub fn of(take: &dyn Take, setup: &Setup) -> Result<Self, RunError> {
         let rig = Self::new(take.mechanism(setup)?)?;
-        let stands = rig.links().first().is_some_and(|base| base.joint == Freedom::Fixed);
+        let stands = rig.links().first().is_some_and(|base| base.joint == JointModel::Fixed);
         Ok(Self { first_judged: usize::from(take.rig_name().is_some() && stands), ..rig })
     }
 
@@ -90,8 +90,8 @@ impl Rig {
         let link = &self.links()[body];
         let Some(parent) = link.parent.map(|parent| &poses[parent]) else { return 0.0 };
         match link.joint {
-            Freedom::Free => 0.0,
-            Freedom::Prismatic(_) => {
+            JointModel::Free => 0.0,
+            JointModel::Prismatic(_) => {
                 let off_m = parent.to_local(poses[body].position_m)
                     - position_m(link, parent, &poses[body]);
                 off_m.length()
@@ -124,12 +124,12 @@ impl Rig {
 #[inline]
 fn position_m(link: &Link, parent: &Pose, body: &Pose) -> DVec3 {
     match link.joint {
-        Freedom::Prismatic(axis) => {
+        JointModel::Prismatic(axis) => {
             let axis = link.rotation * axis;
             let off_m = parent.to_local(body.position_m) - link.position_m;
             link.position_m + axis * axis.dot(off_m)
         }
-        Freedom::Free => parent.to_local(body.position_m),
+        JointModel::Free => parent.to_local(body.position_m),
         _ => link.position_m,
     }
 }

@@ -3,7 +3,7 @@
 use sinew_core::control::LimitReason;
 use sinew_core::{Transform, Wrench};
 use sinew_figure::plant::{Drive, Pose};
-use sinew_rig::mechanism::{Freedom, Link};
+use sinew_rig::mechanism::{JointModel, Link};
 
 use super::disturbance::{DelayLine, Sensors};
 use super::error::RunError;
@@ -176,7 +176,7 @@ fn lost_m(performance: &Performance<'_>) -> f64 {
 
 /// How far a slide goes from its zero at most; one without a range as far as rigs are large.
 fn slide_m(link: &Link) -> Option<f64> {
-    matches!(link.joint, Freedom::Prismatic(_)).then(|| {
+    matches!(link.joint, JointModel::Prismatic(_)).then(|| {
         let ends = link.ranges.first().map_or([1.0; 2], |range| range.map(f64::abs));
         ends[0].max(ends[1])
     })

@@ -1,7 +1,7 @@
 //! Mass properties of the figure's bodies from published regressions, on the dimensions of a clip.
 
 use glam::DVec3;
-use sinew_rig::mechanism::{Freedom, Link, Mechanism};
+use sinew_rig::mechanism::{JointModel, Link, Mechanism};
 use thiserror::Error;
 
 use super::body::{BODIES, Root};
@@ -92,9 +92,9 @@ impl BodyModel {
         let bodies = BODIES.iter().zip(&self.offset_m).zip(&self.bodies);
         let bodies = bodies.map(|((place, offset_m), mass)| {
             let joint = match (place.parent, root) {
-                (Some(_), _) => Freedom::Spherical,
-                (None, Root::Driven) => Freedom::Free,
-                (None, Root::Fixed) => Freedom::Fixed,
+                (Some(_), _) => JointModel::Spherical,
+                (None, Root::Driven) => JointModel::Free,
+                (None, Root::Fixed) => JointModel::Fixed,
             };
             Link {
                 name: place.name.to_owned(),

@@ -8,7 +8,7 @@ use sinew_retarget::feasibility::{
     Report, RigMotion, check, rate_at_rows, refit,
 };
 use sinew_rig::board::BoardRig;
-use sinew_rig::mechanism::Freedom;
+use sinew_rig::mechanism::JointModel;
 use sinew_rig::{Description, Mechanism};
 use sinew_show::write::{Motion, Settings, WriteError, Writer, Written};
 use sinew_show::{Joint, Player, Rate, Show, ShowError, TimeCode};
@@ -18,7 +18,7 @@ use thiserror::Error;
 const CHANNELS: usize = 256;
 /// As much as any board holds: the CRC does not depend on it.
 const BODIES: usize = 64;
-const FREEDOMS: usize = 128;
+const DOFS: usize = 128;
 const SERVOS: usize = 64;
 /// How often a second a show is looked at.
 pub const CHECK_HZ: f64 = 250.0;
@@ -67,7 +67,7 @@ pub enum BakeError {
         kind.shown(*slides, *limit)
     )]
     Rounded {
-        /// The freedom.
+        /// The dof.
         joint: String,
         /// Whether it slides.
         slides: bool,
@@ -88,7 +88,7 @@ pub struct Baked {
     /// How long it lasts, s.
     pub duration_s: f64,
     /// Its degrees of freedom that move.
-    pub freedoms: usize,
+    pub dofs: usize,
 }
 
 impl Baked {
@@ -241,7 +241,7 @@ impl Baker<'_> {
                 let sample = |time_s: f64| (time_s / motion.dt_s).max(0.0).round() as usize;
                 let samples = sample(excess.from_s - AROUND_S)..sample(excess.to_s + AROUND_S) + 1;
                 let beside = sample(BESIDE_S);
-                for joint in self.causes(limits.freedoms[excess.freedom].joint, excess.kind) {
+                for joint in self.causes(limits.dofs[excess.dof].joint, excess.kind) {
                     is_nearer |=
                         writer.bring_nearer(joint, samples.clone(), beside, [NEARER, NEAREST]);
                 }
@@ -272,7 +272,7 @@ struct Content<'a> {
     rate: Rate,
     cues: Vec<(u32, &'a str)>,
     marks: &'a Marks,
-    freedoms: usize,
+    dofs: usize,
     duration_s: f64,
 }
 
@@ -283,14 +283,14 @@ impl<'a> Content<'a> {
         let last = u32::try_from(rows.len() - 1).unwrap_or(u32::MAX);
         let cue = |(row, name): &'a (u32, String)| ((*row).min(last), name.as_str());
         let kinds = mechanism.bodies.iter().map(|link| link.joint.kind());
-        let moving = mechanism.bodies.iter().filter(|link| link.joint != Freedom::Free);
+        let moving = mechanism.bodies.iter().filter(|link| link.joint != JointModel::Free);
         Ok(Self {
             joints: kinds.map(Joint::from).collect(),
             q: rows.iter().flatten().copied().collect(),
             rate: rate(motion.dt_s)?,
             cues: marks.cues.iter().map(cue).collect(),
             marks,
-            freedoms: moving.map(|link| link.joint.kind().degrees_of_freedom()).sum(),
+            dofs: moving.map(|link| link.joint.kind().dof_count()).sum(),
             duration_s: motion.duration_s(),
         })
     }
@@ -313,13 +313,13 @@ impl<'a> Content<'a> {
         let written = writer.write()?;
         // What was written is opened as a board opens it.
         Show::open(&written.bytes)?.check_blocks()?;
-        Ok(Baked { written, duration_s: self.duration_s, freedoms: self.freedoms })
+        Ok(Baked { written, duration_s: self.duration_s, dofs: self.dofs })
     }
 }
 
 fn rounded(limits: &Limits, worst: &Excess) -> BakeError {
-    let freedom = &limits.freedoms[worst.freedom];
-    let (joint, slides) = (freedom.name.clone(), freedom.slides);
+    let dof = &limits.dofs[worst.dof];
+    let (joint, slides) = (dof.name.clone(), dof.slides);
     let Excess { kind, value, limit, .. } = *worst;
     BakeError::Rounded { joint, slides, kind, value, limit }
 }
@@ -365,7 +365,7 @@ impl<'a> Played<'a> {
     pub fn new(bytes: &'a [u8]) -> Result<Self, ShowError> {
         let show = Show::open(bytes)?;
         show.check_blocks()?;
-        let none = vec![0.0; show.degrees_of_freedom()];
+        let none = vec![0.0; show.dof_count()];
         let state = State { q: vec![0.0; show.channel_count()], qd: none.clone(), qdd: none };
         Ok(Self { player: RefCell::new((Player::new(show)?, state)) })
     }
@@ -408,7 +408,7 @@ impl Performance for Played<'_> {
 /// the rig.
 pub fn rig_hash(rig: &Description, mechanism: &Mechanism) -> (u32, Option<String>) {
     let none = |why: String| (0, Some(format!("the show names no rig: no board holds it: {why}")));
-    let board = match BoardRig::<BODIES, FREEDOMS, SERVOS>::bake(rig, mechanism) {
+    let board = match BoardRig::<BODIES, DOFS, SERVOS>::bake(rig, mechanism) {
         Ok(board) => board,
         Err(error) => return none(error.to_string()),
     };

@@ -18,7 +18,7 @@ mod rig_clip;
 mod table;
 mod take_over;
 pub mod teach;
-pub mod words;
+pub mod text;
 
 pub use bake::{BakeError, Baked, Baker, CHECK_HZ, Marks, Played, course, rig_hash};
 pub use clip::{ClipError, ClipSettings, PreparedClip};

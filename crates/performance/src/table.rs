@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 use sinew_host_util::command;
 use sinew_retarget::feasibility::{Excess, Fit, Limits, Looped, Report};
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::Freedom;
+use sinew_rig::mechanism::JointModel;
 
-use super::words;
+use super::text;
 
 /// What a motion asks of each joint, beside its limits, and where it exceeds them. Joints that do not move, and have no
 /// load, are left out.
@@ -22,12 +22,12 @@ pub fn feasibility(
         "for long",
     ];
     let mut table = command::table(header, 1..header.len());
-    for (freedom, peaks) in limits.freedoms.iter().zip(&report.peaks) {
+    for (dof, peaks) in limits.dofs.iter().zip(&report.peaks) {
         if peaks.speed < 1e-6 && peaks.effort < 1e-9 {
             continue;
         }
-        let [least, most] = freedom.range;
-        let shown = |x: f64| if freedom.slides { 1000.0 * x } else { x.to_degrees() };
+        let [least, most] = dof.range;
+        let shown = |x: f64| if dof.slides { 1000.0 * x } else { x.to_degrees() };
         let range = if least.is_finite() || most.is_finite() {
             format!("{:.0} {:.0}", shown(least), shown(most))
         } else {
@@ -37,18 +37,18 @@ pub fn feasibility(
             if x.is_finite() { format!("{x:.digits$}") } else { String::new() }
         };
         table.add_row([
-            freedom.name.clone(),
+            dof.name.clone(),
             format!("{:.1}", shown(peaks.least)),
             format!("{:.1}", shown(peaks.most)),
             range,
             format!("{:.2}", peaks.speed),
-            limit(freedom.speed, 2),
+            limit(dof.speed, 2),
             format!("{:.1}", peaks.acceleration),
-            limit(freedom.acceleration, 1),
+            limit(dof.acceleration, 1),
             format!("{:.3}", peaks.effort),
-            limit(freedom.effort, 3),
+            limit(dof.effort, 3),
             format!("{:.3}", peaks.effort_rms),
-            freedom.heat.map(|heat| limit(heat.continuous, 3)).unwrap_or_default(),
+            dof.heat.map(|heat| limit(heat.continuous, 3)).unwrap_or_default(),
         ]);
     }
     let mut out = format!(
@@ -57,10 +57,10 @@ pub fn feasibility(
     );
     let mut line =
         |text: std::fmt::Arguments<'_>| writeln!(out, "{text}").expect("a string takes everything");
-    let name = |freedom: usize| limits.freedoms[freedom].name.as_str();
+    let name = |dof: usize| limits.dofs[dof].name.as_str();
     let mut told = 0;
     for (index, excess) in report.excesses.iter().enumerate() {
-        let same = |other: &&Excess| (other.freedom, other.kind) == (excess.freedom, excess.kind);
+        let same = |other: &&Excess| (other.dof, other.kind) == (excess.dof, excess.kind);
         // Of each joint and limit one line: the worst, and how often.
         if report.excesses[..index].iter().any(|other| same(&other)) {
             continue;
@@ -75,9 +75,9 @@ pub fn feasibility(
         let seconds: f64 = all.iter().map(|excess| excess.to_s - excess.from_s).sum();
         line(format_args!(
             "EXCEEDED: {}: {} {} at {:.2} s; {} time(s), {seconds:.2} s in all",
-            name(excess.freedom),
+            name(excess.dof),
             excess.kind.name(),
-            words::excess(limits.freedoms[excess.freedom].slides, worst, rounding),
+            text::excess(limits.dofs[excess.dof].slides, worst, rounding),
             worst.worst_s,
             all.len()
         ));
@@ -86,7 +86,7 @@ pub fn feasibility(
     if told == 0 {
         line(format_args!("No limit is exceeded in {:.2} s.", report.duration_s));
     }
-    if let Some(unknown) = words::unknown(mechanism, limits, report) {
+    if let Some(unknown) = text::unknown(mechanism, limits, report) {
         line(format_args!("{unknown}"));
     }
     line(format_args!("Not looked at: collisions, balance, cables."));
@@ -98,14 +98,13 @@ pub fn fitted(limits: &Limits, fit: &Fit, given_s: f64) -> String {
     let mut out = String::new();
     let mut line =
         |text: std::fmt::Arguments<'_>| writeln!(out, "{text}").expect("a string takes everything");
-    let slides =
-        |joint: &str| limits.freedoms.iter().any(|freedom| freedom.slides && freedom.name == joint);
+    let slides = |joint: &str| limits.dofs.iter().any(|dof| dof.slides && dof.name == joint);
     for (joint, change) in &fit.clamped {
-        let Some(change) = words::visible_change(slides(joint), *change) else { continue };
+        let Some(change) = text::visible_change(slides(joint), *change) else { continue };
         line(format_args!("brought back into its range: {joint}, by up to {change}"));
     }
     for smoothed in &fit.smoothed {
-        let change = words::visible_change(slides(&smoothed.joint), smoothed.change);
+        let change = text::visible_change(slides(&smoothed.joint), smoothed.change);
         let Some(change) = change else { continue };
         line(format_args!(
             "smoothed: {}, over {:.0} ms, changed by up to {change}",
@@ -122,7 +121,7 @@ pub fn fitted(limits: &Limits, fit: &Fit, given_s: f64) -> String {
         ));
     }
     for (joint, change) in &fit.lightened {
-        let change = words::change(slides(joint), *change);
+        let change = text::change(slides(joint), *change);
         line(format_args!(
             "home itself is too heavy: in place of it a pose with {joint} {change} from there"
         ));
@@ -150,7 +149,7 @@ pub fn fitted(limits: &Limits, fit: &Fit, given_s: f64) -> String {
 pub fn led(mechanism: &Mechanism, looped: &Looped) -> String {
     let (body, change) = looped.most;
     let link = &mechanism.bodies[body];
-    let change = words::change(matches!(link.joint, Freedom::Prismatic(_)), change);
+    let change = text::change(matches!(link.joint, JointModel::Prismatic(_)), change);
     format!(
         "loop: the last {:.2} s of the clip are led to where it begins; changed the most: {}, by {change}\n",
         looped.blend_s, link.joint_name

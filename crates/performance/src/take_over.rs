@@ -142,14 +142,14 @@ fn taken(mechanism: &Mechanism, motion: RigMotion, baked: Baked) -> TakenOver {
     let errors = || baked.limbs.iter().flatten().map(|limb| f64::from(limb.error_rad));
     let count = errors().count();
     let frames = motion.rows.len().max(1);
-    let names = mechanism.freedom_names();
-    let (mut at_range, mut of_freedom) = (0_usize, vec![0_usize; names.len()]);
+    let names = mechanism.dof_names();
+    let (mut at_range, mut of_dof) = (0_usize, vec![0_usize; names.len()]);
     for held in &baked.held {
         let mut ends = held.iter().filter(|held| held.bound == solve::Bound::Range).peekable();
         at_range += usize::from(ends.peek().is_some());
-        ends.for_each(|held| of_freedom[held.freedom] += 1);
+        ends.for_each(|held| of_dof[held.dof] += 1);
     }
-    let most_held = names.into_iter().zip(of_freedom).max_by_key(|(_, count)| *count);
+    let most_held = names.into_iter().zip(of_dof).max_by_key(|(_, count)| *count);
     TakenOver {
         motion,
         limbs_mean_deg: (errors().sum::<f64>() / count.max(1) as f64).to_degrees(),

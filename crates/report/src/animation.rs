@@ -6,7 +6,7 @@ use maud::{Markup, PreEscaped, html};
 use super::chart::px;
 use super::playback::{Playback, Run};
 use super::scene::{Camera, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage, gradients};
-use super::words::Words;
+use super::text::Words;
 
 /// How long a loop may be, in seconds.
 const SHORTEST_S: f64 = 1.2;

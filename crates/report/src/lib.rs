@@ -28,9 +28,9 @@ pub mod scene;
 mod still;
 mod sweep;
 mod tables;
+mod text;
 mod view;
 pub mod weights;
-mod words;
 
 use std::path::Path;
 use std::{fs, io};
@@ -45,7 +45,7 @@ use chart::{Quantity, Statistic};
 use sinew_evaluation::detail::{Detail, Spread};
 use sinew_evaluation::optimum::Optimum;
 use sinew_evaluation::{Evaluation, FigureResult, MethodName};
-use words::Words;
+use text::Words;
 
 /// What the page shows.
 #[derive(Debug, Clone, Copy)]

@@ -7,7 +7,7 @@ use sinew_evaluation::{Evaluation, FigureResult, MethodName};
 use super::chart::{self, Quantity, Statistic, legend};
 use super::head::head;
 use super::tables::{ratios, table};
-use super::words::Words;
+use super::text::Words;
 use super::{Comparison, Playback, Report, Sweep, courses, joints, palette, pareto, spreads};
 
 const SCRIPT: &str = concat!(include_str!("assets/page.js"), include_str!("assets/player.js"));

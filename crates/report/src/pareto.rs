@@ -7,7 +7,7 @@ use sinew_evaluation::{ErrorTotals, Errors, FigureResult};
 
 use super::Report;
 use super::chart::{ParetoChart, Reference, Spot};
-use super::words::Words;
+use super::text::Words;
 
 type Group = (&'static str, fn(&Errors) -> &ErrorTotals);
 

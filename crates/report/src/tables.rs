@@ -5,7 +5,7 @@ use sinew_evaluation::paper::{self, Kind};
 use sinew_evaluation::{ErrorTotals, Errors, FigureResult, MethodName, MethodResult};
 
 use super::chart::Ratio;
-use super::words::Words;
+use super::text::Words;
 
 const COLUMNS: [(&str, &str); 4] =
     [("angular", "°"), ("linear", "cm"), ("angular", "°"), ("linear", "cm")];

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::settings::{Demand, Setting};
+use crate::settings::{ServoRequirements, Setting};
 use crate::table::{ByteOrder, TORQUE_ENABLE};
 
 /// What is read at once: as many bytes as a reading of motion has, for which buses have room.
@@ -59,7 +59,7 @@ pub(crate) fn patient_us(time_us: u32, left_us: u32) -> u32 {
 #[derive(Debug, Clone)]
 pub(crate) struct Comparison {
     pub(crate) servo: usize,
-    pub(crate) demand: Demand,
+    pub(crate) demand: ServoRequirements,
     pub(crate) result: Compared,
     /// All below this address are as they must be.
     from: u16,
@@ -68,7 +68,7 @@ pub(crate) struct Comparison {
 }
 
 impl Comparison {
-    pub(crate) fn new(servo: usize, demand: Demand) -> Self {
+    pub(crate) fn new(servo: usize, demand: ServoRequirements) -> Self {
         Self { servo, demand, result: Compared::Reading, from: 0, suspect: None }
     }
 

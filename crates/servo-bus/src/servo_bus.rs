@@ -1,6 +1,6 @@
 //! What a rig needs of any servo bus.
 
-use crate::settings::Demand;
+use crate::settings::ServoRequirements;
 use crate::{CommandError, Compared, EncodeError};
 
 /// A bus of servos, numbered from 0 in the order of its construction.
@@ -44,7 +44,7 @@ pub trait ServoBus {
 
     /// Compares the registers of this servo with what a rig asks of it, from the beginning; or nothing more. They are
     /// read in the time that ticks leave, one question a tick: what does not come is asked for again.
-    fn compare(&mut self, asked: Option<(usize, Demand)>);
+    fn compare(&mut self, asked: Option<(usize, ServoRequirements)>);
 
     /// What came of the last [`compare`](Self::compare).
     fn compared(&self) -> Compared;

@@ -22,7 +22,7 @@ pub enum Mode {
 
 /// What a rig asks of a servo.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Demand {
+pub struct ServoRequirements {
     /// What it controls.
     pub mode: Mode,
     /// Least and most position, rad: zero where its encoder counts zero.
@@ -50,25 +50,25 @@ pub struct Setting {
 
 /// What a register must hold.
 #[derive(Debug, Clone, Copy)]
-enum Must {
+enum RequiredValue {
     /// This.
-    Be(i32),
+    Exact(i32),
     /// What the factory sets.
     Factory,
     /// The number of the mode.
     Mode,
     /// The temperature at which it switches itself off.
-    Heat,
+    Shutdown,
     /// The current of the torque that is asked for; as the factory sets it where that is all it has.
     Current,
     /// The part of its torque that is asked for, in so many counts.
-    Share(u16),
+    TorqueShare(u16),
     /// The least position.
-    Least,
+    Min,
     /// The most position.
-    Most,
+    Max,
     /// This while torque is off: the bus itself writes it, whoever sets a servo up does not.
-    Limp(i32),
+    TorqueOff(i32),
 }
 
 /// Dynamixel: the servo answers after 2 us. The factory's 500 us make a bus of 6 a third as fast.
@@ -85,63 +85,67 @@ const SLACK: f32 = 0.02;
 /// By address. A model without a register has one less. Drive mode 0: neither turned round (the rig's `direction` does
 /// that), nor timed, nor on by a goal. Startup 0: limp at power-up, until somebody arms it. Status level 2, all is
 /// answered: the level that a servo has after each power-on, and it costs nothing, for the bus writes to all at once.
-const DYNAMIXEL: [(u16, Must); 20] = [
-    (dxl::RETURN_DELAY, Must::Be(DYNAMIXEL_DELAY)),
-    (dxl::DRIVE_MODE, Must::Be(0)),
-    (dxl::OPERATING_MODE, Must::Mode),
-    (dxl::TEMPERATURE_LIMIT, Must::Heat),
-    (dxl::MAX_VOLTAGE, Must::Factory),
-    (dxl::MIN_VOLTAGE, Must::Factory),
-    (dxl::PWM_LIMIT, Must::Share(dynamixel_servos::table::FULL_PWM)),
-    (dxl::CURRENT_LIMIT, Must::Current),
-    (dxl::MAX_POSITION, Must::Most),
-    (dxl::MIN_POSITION, Must::Least),
-    (dxl::STARTUP, Must::Be(0)),
-    (dxl::SHUTDOWN, Must::Factory),
-    (dxl::TORQUE_ENABLE, Must::Limp(0)),
-    (dxl::STATUS_LEVEL, Must::Factory),
-    (dxl::POSITION_D, Must::Factory),
-    (dxl::POSITION_I, Must::Factory),
-    (dxl::POSITION_P, Must::Factory),
-    (dxl::FEEDFORWARD_2ND, Must::Factory),
-    (dxl::FEEDFORWARD_1ST, Must::Factory),
-    (dxl::BUS_WATCHDOG, Must::Limp(DYNAMIXEL_WATCHDOG as i32)),
+const DYNAMIXEL: [(u16, RequiredValue); 20] = [
+    (dxl::RETURN_DELAY, RequiredValue::Exact(DYNAMIXEL_DELAY)),
+    (dxl::DRIVE_MODE, RequiredValue::Exact(0)),
+    (dxl::OPERATING_MODE, RequiredValue::Mode),
+    (dxl::TEMPERATURE_LIMIT, RequiredValue::Shutdown),
+    (dxl::MAX_VOLTAGE, RequiredValue::Factory),
+    (dxl::MIN_VOLTAGE, RequiredValue::Factory),
+    (dxl::PWM_LIMIT, RequiredValue::TorqueShare(dynamixel_servos::table::FULL_PWM)),
+    (dxl::CURRENT_LIMIT, RequiredValue::Current),
+    (dxl::MAX_POSITION, RequiredValue::Max),
+    (dxl::MIN_POSITION, RequiredValue::Min),
+    (dxl::STARTUP, RequiredValue::Exact(0)),
+    (dxl::SHUTDOWN, RequiredValue::Factory),
+    (dxl::TORQUE_ENABLE, RequiredValue::TorqueOff(0)),
+    (dxl::STATUS_LEVEL, RequiredValue::Factory),
+    (dxl::POSITION_D, RequiredValue::Factory),
+    (dxl::POSITION_I, RequiredValue::Factory),
+    (dxl::POSITION_P, RequiredValue::Factory),
+    (dxl::FEEDFORWARD_2ND, RequiredValue::Factory),
+    (dxl::FEEDFORWARD_1ST, RequiredValue::Factory),
+    (dxl::BUS_WATCHDOG, RequiredValue::TorqueOff(DYNAMIXEL_WATCHDOG as i32)),
 ];
 
 /// By address. The highest supply differs by type: it is left alone.
-const STS: [(u8, Must); 13] = [
-    (feetech::RETURN_DELAY, Must::Be(0)),
-    (feetech::MIN_POSITION, Must::Least),
-    (feetech::MAX_POSITION, Must::Most),
-    (feetech::MAX_TEMPERATURE, Must::Heat),
-    (feetech::MIN_VOLTAGE, Must::Factory),
-    (feetech::MAX_TORQUE, Must::Share(1000)),
-    (feetech::UNLOADING, Must::Be(STS_UNLOADING)),
-    (feetech::POSITION_P, Must::Factory),
-    (feetech::POSITION_D, Must::Factory),
-    (feetech::POSITION_I, Must::Factory),
-    (feetech::OPERATING_MODE, Must::Mode),
-    (feetech::TORQUE_ENABLE, Must::Limp(0)),
-    (feetech::TORQUE_LIMIT, Must::Share(1000)),
+const STS: [(u8, RequiredValue); 13] = [
+    (feetech::RETURN_DELAY, RequiredValue::Exact(0)),
+    (feetech::MIN_POSITION, RequiredValue::Min),
+    (feetech::MAX_POSITION, RequiredValue::Max),
+    (feetech::MAX_TEMPERATURE, RequiredValue::Shutdown),
+    (feetech::MIN_VOLTAGE, RequiredValue::Factory),
+    (feetech::MAX_TORQUE, RequiredValue::TorqueShare(1000)),
+    (feetech::UNLOADING, RequiredValue::Exact(STS_UNLOADING)),
+    (feetech::POSITION_P, RequiredValue::Factory),
+    (feetech::POSITION_D, RequiredValue::Factory),
+    (feetech::POSITION_I, RequiredValue::Factory),
+    (feetech::OPERATING_MODE, RequiredValue::Mode),
+    (feetech::TORQUE_ENABLE, RequiredValue::TorqueOff(0)),
+    (feetech::TORQUE_LIMIT, RequiredValue::TorqueShare(1000)),
 ];
 
 /// By address. What the factory sets in an SCS is not known, and it has no register for its mode.
-const SCS: [(u8, Must); 6] = [
-    (feetech::RETURN_DELAY, Must::Be(0)),
-    (feetech::MIN_POSITION, Must::Least),
-    (feetech::MAX_POSITION, Must::Most),
-    (feetech::MAX_TEMPERATURE, Must::Heat),
-    (feetech::MAX_TORQUE, Must::Share(1000)),
-    (feetech::TORQUE_ENABLE, Must::Limp(0)),
+const SCS: [(u8, RequiredValue); 6] = [
+    (feetech::RETURN_DELAY, RequiredValue::Exact(0)),
+    (feetech::MIN_POSITION, RequiredValue::Min),
+    (feetech::MAX_POSITION, RequiredValue::Max),
+    (feetech::MAX_TEMPERATURE, RequiredValue::Shutdown),
+    (feetech::MAX_TORQUE, RequiredValue::TorqueShare(1000)),
+    (feetech::TORQUE_ENABLE, RequiredValue::TorqueOff(0)),
 ];
 
 // The same with their items, put together at build time: a board has these, and not the whole tables with all names.
-static DYNAMIXEL_ITEMS: [(Only, Item, Must); DYNAMIXEL.len()] = dynamixel_items(DYNAMIXEL);
-static STS_ITEMS: [(Item, Must); STS.len()] = feetech_items(feetech_servos::Family::Sts, STS);
-static SCS_ITEMS: [(Item, Must); SCS.len()] = feetech_items(feetech_servos::Family::Scs, SCS);
+static DYNAMIXEL_ITEMS: [(Only, Item, RequiredValue); DYNAMIXEL.len()] = dynamixel_items(DYNAMIXEL);
+static STS_ITEMS: [(Item, RequiredValue); STS.len()] =
+    feetech_items(feetech_servos::Family::Sts, STS);
+static SCS_ITEMS: [(Item, RequiredValue); SCS.len()] =
+    feetech_items(feetech_servos::Family::Scs, SCS);
 
 #[expect(clippy::indexing_slicing, clippy::arithmetic_side_effects, reason = "at build time")]
-const fn dynamixel_items<const N: usize>(list: [(u16, Must); N]) -> [(Only, Item, Must); N] {
+const fn dynamixel_items<const N: usize>(
+    list: [(u16, RequiredValue); N],
+) -> [(Only, Item, RequiredValue); N] {
     let (only, item) = dynamixel_servos::table::of_all(list[0].0);
     let mut items = [(only, item, list[0].1); N];
     let mut index = 1;
@@ -157,8 +161,8 @@ const fn dynamixel_items<const N: usize>(list: [(u16, Must); N]) -> [(Only, Item
 #[expect(clippy::indexing_slicing, clippy::arithmetic_side_effects, reason = "at build time")]
 const fn feetech_items<const N: usize>(
     family: feetech_servos::Family,
-    list: [(u8, Must); N],
-) -> [(Item, Must); N] {
+    list: [(u8, RequiredValue); N],
+) -> [(Item, RequiredValue); N] {
     let mut items = [(family.item(list[0].0), list[0].1); N];
     let mut index = 1;
     while index < N {
@@ -174,7 +178,7 @@ const fn feetech_items<const N: usize>(
 /// What neither rig nor kind says is as the factory sets it. Id, baud and homing offset are left alone.
 pub fn dynamixel(
     table: dynamixel_servos::table::Table,
-    demand: Demand,
+    demand: ServoRequirements,
 ) -> impl Iterator<Item = Setting> + Clone {
     dynamixel_of(table, demand, false)
 }
@@ -182,14 +186,14 @@ pub fn dynamixel(
 /// The same, and what it holds besides before it is armed: torque off, and its watchdog set.
 pub(crate) fn dynamixel_limp(
     table: dynamixel_servos::table::Table,
-    demand: Demand,
+    demand: ServoRequirements,
 ) -> impl Iterator<Item = Setting> + Clone {
     dynamixel_of(table, demand, true)
 }
 
 fn dynamixel_of(
     table: dynamixel_servos::table::Table,
-    demand: Demand,
+    demand: ServoRequirements,
     is_limp: bool,
 ) -> impl Iterator<Item = Setting> + Clone {
     let mode = match demand.mode {
@@ -208,7 +212,7 @@ fn dynamixel_of(
 /// What a Feetech must hold, by address, as [`dynamixel`] has it.
 pub fn feetech(
     family: feetech_servos::Family,
-    demand: Demand,
+    demand: ServoRequirements,
 ) -> impl Iterator<Item = Setting> + Clone {
     feetech_of(family, demand, false)
 }
@@ -216,14 +220,14 @@ pub fn feetech(
 /// The same, and torque off, which it must be before it is armed.
 pub(crate) fn feetech_limp(
     family: feetech_servos::Family,
-    demand: Demand,
+    demand: ServoRequirements,
 ) -> impl Iterator<Item = Setting> + Clone {
     feetech_of(family, demand, true)
 }
 
 fn feetech_of(
     family: feetech_servos::Family,
-    demand: Demand,
+    demand: ServoRequirements,
     is_limp: bool,
 ) -> impl Iterator<Item = Setting> + Clone {
     let mode = match demand.mode {
@@ -231,7 +235,7 @@ fn feetech_of(
         Mode::Pwm => 2,
         Mode::CurrentPosition | Mode::Current => NO_MODE,
     };
-    let items: &[(Item, Must)] = match family {
+    let items: &[(Item, RequiredValue)] = match family {
         feetech_servos::Family::Sts => &STS_ITEMS,
         feetech_servos::Family::Scs => &SCS_ITEMS,
     };
@@ -241,35 +245,35 @@ fn feetech_of(
         .map(move |(item, must)| demand.setting(*item, *must, mode, demand.share()))
 }
 
-impl Must {
+impl RequiredValue {
     /// Whether it is asked for: what a bus writes itself is only while torque is off.
     fn counts(self, is_limp: bool) -> bool {
-        is_limp || !matches!(self, Self::Limp(_))
+        is_limp || !matches!(self, Self::TorqueOff(_))
     }
 }
 
-impl Demand {
+impl ServoRequirements {
     /// What part of its torque is asked for.
     fn share(&self) -> f32 {
         (self.torque_nm / self.stall_nm).clamp(0.0, 1.0)
     }
 
     /// A number beyond a register's range is held at the end.
-    fn setting(&self, item: Item, must: Must, mode: i32, share: f32) -> Setting {
+    fn setting(&self, item: Item, must: RequiredValue, mode: i32, share: f32) -> Setting {
         let scale = item.unit.scale;
         let whole = |value: f32| round(value, [0, i32::MAX]);
         let raw = match must {
-            Must::Be(raw) | Must::Limp(raw) => raw,
-            Must::Mode => mode,
-            Must::Heat => whole(self.shutdown_c / scale),
-            Must::Current if self.share() < 1.0 => {
+            RequiredValue::Exact(raw) | RequiredValue::TorqueOff(raw) => raw,
+            RequiredValue::Mode => mode,
+            RequiredValue::Shutdown => whole(self.shutdown_c / scale),
+            RequiredValue::Current if self.share() < 1.0 => {
                 whole((self.torque_nm + self.friction_nm) / self.torque_constant_nm_a / scale)
             }
-            Must::Factory | Must::Current => item.initial,
-            Must::Share(full) => whole(f32::from(full) * share),
+            RequiredValue::Factory | RequiredValue::Current => item.initial,
+            RequiredValue::TorqueShare(full) => whole(f32::from(full) * share),
             // Rounded inwards.
-            Must::Least => whole(self.range_rad[0] / scale + (0.5 - SLACK)),
-            Must::Most => whole(self.range_rad[1] / scale - (0.5 - SLACK)),
+            RequiredValue::Min => whole(self.range_rad[0] / scale + (0.5 - SLACK)),
+            RequiredValue::Max => whole(self.range_rad[1] / scale - (0.5 - SLACK)),
         };
         let raw = match item.range {
             Range::Between(least, most) if raw != NO_MODE => raw.max(least).min(most),

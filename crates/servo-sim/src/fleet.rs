@@ -9,7 +9,7 @@ use crate::bench::{Bench, Branch};
 use crate::device::{MEMORY_LEN, Servo, ServoError};
 use crate::fault::{Fault, FaultOrder};
 use crate::kind::Kind;
-use crate::line::{Line, Wired};
+use crate::line::{Line, LineDevice};
 use crate::load::{Arm, Plant, Shaft};
 use crate::model::Parameters;
 use crate::plant::RigPlant;
@@ -88,7 +88,7 @@ pub struct Setup<'r> {
 }
 
 /// All servos of one bus. Those with physics share plant, supply and time with those of the other buses.
-pub enum OnBus<'m> {
+pub enum BusServo<'m> {
     /// With physics.
     Servos(Branch<'m, Moved>),
     /// Without.
@@ -98,13 +98,13 @@ pub enum OnBus<'m> {
 macro_rules! of {
     ($it:expr, $own:ident => $do:expr) => {
         match $it {
-            OnBus::Servos($own) => $do,
-            OnBus::Registers($own) => $do,
+            BusServo::Servos($own) => $do,
+            BusServo::Registers($own) => $do,
         }
     };
 }
 
-impl Wired for OnBus<'_> {
+impl LineDevice for BusServo<'_> {
     fn now_ns(&self) -> u64 {
         of!(self, own => own.now_ns())
     }
@@ -211,7 +211,7 @@ pub fn lines<'m>(
     wanted: &[Wanted],
     setup: &Setup<'_>,
     memories: &'m mut [Memory],
-) -> Result<Vec<Line<OnBus<'m>>>, FleetError> {
+) -> Result<Vec<Line<BusServo<'m>>>, FleetError> {
     if let Some(servo) = wanted.iter().find(|servo| servo.id > MAX_ID) {
         return Err(FleetError::Id(servo.id));
     }
@@ -250,7 +250,7 @@ pub fn lines<'m>(
     }
     let branches = physical.branches(setup, &faults)?;
     let on_bus = |(branch, bare): (_, Option<Registers<'m>>)| {
-        Line::new(bare.map_or(OnBus::Servos(branch), OnBus::Registers))
+        Line::new(bare.map_or(BusServo::Servos(branch), BusServo::Registers))
     };
     Ok(branches.into_iter().zip(bare).map(on_bus).collect())
 }
@@ -390,7 +390,7 @@ mod tests {
         let setup = Setup { baud: 1_000_000, faults, ..Setup::default() };
         let lines = lines(&wanted, &setup, &mut memories).unwrap();
         assert_eq!(lines.len(), 2);
-        let OnBus::Servos(left) = &lines[0].servos else { panic!("they have physics") };
+        let BusServo::Servos(left) = &lines[0].servos else { panic!("they have physics") };
         let faults: Vec<usize> = left.bench().faults.iter().map(|fault| fault.servo).collect();
         // Bus after bus: 1, 2, jaw. `1` is no name, so both servos of that id are late.
         assert_eq!(faults, [2, 1, 0, 2]);
@@ -407,9 +407,9 @@ mod tests {
         let mut memories = [[0; MEMORY_LEN]; 3];
         let setup = Setup { baud: 1_000_000, faults, ..Setup::default() };
         let lines = lines(&wanted, &setup, &mut memories).unwrap();
-        let OnBus::Registers(bare) = &lines[0].servos else { panic!("it has registers only") };
+        let BusServo::Registers(bare) = &lines[0].servos else { panic!("it has registers only") };
         assert_eq!(bare.faults[0].servo, 1);
-        let OnBus::Servos(main) = &lines[1].servos else { panic!("it has physics") };
+        let BusServo::Servos(main) = &lines[1].servos else { panic!("it has physics") };
         assert_eq!(main.bench().servos().len(), 1);
     }
 

@@ -37,7 +37,7 @@ use crate::wire::SILENCE_US;
 const SILENCE_NS: u64 = 2_000_000;
 
 /// Servos on a half-duplex wire, and their time.
-pub trait Wired {
+pub trait LineDevice {
     /// Simulated time, ns.
     fn now_ns(&self) -> u64;
 
@@ -64,7 +64,7 @@ pub trait Wired {
 }
 
 /// Bytes that are on the wire.
-struct OnWire {
+struct WireEntry {
     end_ns: u64,
     /// None: the master.
     speaker: Option<usize>,
@@ -76,7 +76,7 @@ pub struct Line<W> {
     /// The servos.
     pub servos: W,
     unsent: Vec<u8>,
-    on_wire: Option<OnWire>,
+    on_wire: Option<WireEntry>,
     late: Vec<(u64, Vec<u8>)>,
     silence_ns: u64,
     quiet_since_ns: u64,
@@ -84,7 +84,7 @@ pub struct Line<W> {
     received: VecDeque<u8>,
 }
 
-impl<W: Wired> Line<W> {
+impl<W: LineDevice> Line<W> {
     /// A line of a program in real time, on which nothing has been said.
     pub fn new(servos: W) -> Self {
         Self::with_silence(servos, SILENCE_NS)
@@ -116,7 +116,7 @@ impl<W: Wired> Line<W> {
 
     /// Whether bytes of the master are still on the wire, or wait for it.
     pub fn is_sending(&self) -> bool {
-        let of_master = |on_wire: &OnWire| on_wire.speaker.is_none();
+        let of_master = |on_wire: &WireEntry| on_wire.speaker.is_none();
         !self.unsent.is_empty() || self.on_wire.as_ref().is_some_and(of_master)
     }
 
@@ -205,14 +205,14 @@ impl<W: Wired> Line<W> {
 
     fn put_on_wire(&mut self, bytes: Vec<u8>, speaker: Option<usize>) {
         let end_ns = self.servos.now_ns() + self.servos.wire_ns(bytes.len());
-        self.on_wire = Some(OnWire { end_ns, speaker, bytes });
+        self.on_wire = Some(WireEntry { end_ns, speaker, bytes });
         self.was_silent = false;
     }
 }
 
 /// Time passes on several lines side by side: what happens on their wires happens in the order of time, since servos on
 /// different lines may move the same rig.
-pub fn run_all<W: Wired>(lines: &mut [Line<W>], ns: u64) {
+pub fn run_all<W: LineDevice>(lines: &mut [Line<W>], ns: u64) {
     while let Some((index, next_ns)) = next_of(lines)
         && next_ns <= ns
     {
@@ -224,7 +224,7 @@ pub fn run_all<W: Wired>(lines: &mut [Line<W>], ns: u64) {
 }
 
 /// On which line something happens next, and when. Of several at once the first.
-pub(crate) fn next_of<W: Wired>(lines: &[Line<W>]) -> Option<(usize, u64)> {
+pub(crate) fn next_of<W: LineDevice>(lines: &[Line<W>]) -> Option<(usize, u64)> {
     let next = lines.iter().enumerate().filter_map(|(index, line)| Some((index, line.next_ns()?)));
     next.min_by_key(|(_, next_ns)| *next_ns)
 }

@@ -17,7 +17,7 @@ use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 use thiserror::Error;
 
-use crate::line::{Line, Wired, next_of, run_all};
+use crate::line::{Line, LineDevice, next_of, run_all};
 
 /// Servos move on after so long, though nobody says anything.
 const IDLE: Duration = Duration::from_millis(5);
@@ -92,7 +92,7 @@ impl Port {
     ///
     /// # Errors
     /// What the system says if reading or writing fails.
-    pub fn serve<W: Wired>(&self, line: &mut Line<W>, stop: &AtomicBool) -> io::Result<()> {
+    pub fn serve<W: LineDevice>(&self, line: &mut Line<W>, stop: &AtomicBool) -> io::Result<()> {
         serve(slice::from_ref(self), slice::from_mut(line), stop)
     }
 
@@ -122,7 +122,7 @@ impl Port {
     }
 
     /// Takes what a program has written, and gives it what servos have said. Whether there was something to give.
-    fn pass<W: Wired>(&self, line: &mut Line<W>, bytes: &mut [u8]) -> io::Result<bool> {
+    fn pass<W: LineDevice>(&self, line: &mut Line<W>, bytes: &mut [u8]) -> io::Result<bool> {
         match read(&self.servos, &mut *bytes) {
             Ok(count) => {
                 line.servos.set_rate(tcgetattr(&self.program)?.output_speed());
@@ -147,7 +147,11 @@ impl Port {
 ///
 /// # Errors
 /// What the system says if reading or writing fails, and at which port.
-pub fn serve<W: Wired>(ports: &[Port], lines: &mut [Line<W>], stop: &AtomicBool) -> io::Result<()> {
+pub fn serve<W: LineDevice>(
+    ports: &[Port],
+    lines: &mut [Line<W>],
+    stop: &AtomicBool,
+) -> io::Result<()> {
     let time_ns = |lines: &[Line<W>]| lines.iter().map(|line| line.servos.now_ns()).max();
     let begin_ns = time_ns(lines).unwrap_or(0);
     let start = Instant::now();

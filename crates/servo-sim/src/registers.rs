@@ -11,7 +11,7 @@ use sinew_servo_bus::{BusDevice, dynamixel, feetech};
 
 use crate::device::{LONGEST, MEMORY_LEN, ServoError, check_memory, code_of};
 use crate::fault::Fault;
-use crate::line::Wired;
+use crate::line::LineDevice;
 use crate::wire::{self, Listener};
 
 /// Feetech: voltage, temperature.
@@ -179,7 +179,7 @@ impl<'m> Registers<'m> {
     }
 }
 
-impl Wired for Registers<'_> {
+impl LineDevice for Registers<'_> {
     fn now_ns(&self) -> u64 {
         self.now_ns
     }

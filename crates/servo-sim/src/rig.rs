@@ -9,7 +9,7 @@ use sinew_core::coordinates::CoordinatesError;
 use sinew_rig::actuation::{Actuation, DriveOf};
 use sinew_rig::description::DescriptionError;
 use sinew_rig::drive::DriveInputError;
-use sinew_rig::mechanism::{Freedom, InverseDynamics};
+use sinew_rig::mechanism::{InverseDynamics, JointModel};
 use sinew_rig::servo::{Address, Servo};
 use sinew_rig::{Description, Mechanism};
 use thiserror::Error;
@@ -112,7 +112,7 @@ struct Joints<'r> {
     mechanism: &'r Mechanism,
     dynamics: InverseDynamics,
     home: Vec<f32>,
-    /// By joint of the description: its link, its first freedom and its first coordinate.
+    /// By joint of the description: its link, its first dof and its first coordinate.
     places: Vec<Option<(usize, usize, usize)>>,
     at_rest: Vec<f32>,
 }
@@ -122,10 +122,10 @@ impl<'r> Joints<'r> {
         // Rotors are the servos' own.
         let mut bare = mechanism.clone();
         bare.bodies.iter_mut().for_each(|link| link.rotor_inertia = 0.0);
-        let (mut freedom, mut coordinate, mut starts) = (0, 0, Vec::new());
+        let (mut dof, mut coordinate, mut starts) = (0, 0, Vec::new());
         for link in &mechanism.bodies {
-            starts.push((freedom, coordinate));
-            freedom += link.joint.kind().degrees_of_freedom();
+            starts.push((dof, coordinate));
+            dof += link.joint.kind().dof_count();
             coordinate += link.joint.kind().coordinate_count();
         }
         let place = |name: &str| {
@@ -135,7 +135,7 @@ impl<'r> Joints<'r> {
         let places = description.joints.iter().map(|joint| place(&joint.name)).collect();
         let mut dynamics = InverseDynamics::of(&bare)?;
         let home: Vec<f32> = mechanism.home().into_iter().map(single).collect();
-        let rest = vec![0.0; freedom];
+        let rest = vec![0.0; dof];
         let at_rest = dynamics.efforts(&home, &rest, &rest)?.to_vec();
         Ok(Self { mechanism, dynamics, home, places, at_rest })
     }
@@ -147,22 +147,22 @@ impl<'r> Joints<'r> {
         drive: &DriveOf,
         servos: &mut [RigServo],
     ) -> Result<(), RigServosError> {
-        let mut freedoms = Vec::new();
+        let mut dofs = Vec::new();
         let mut home = Vec::new();
         for joint in &drive.joints {
             // A joint that a check of the rig has let pass has a link.
             let Some((link, first, coordinate)) = self.places[*joint] else { return Ok(()) };
             let link = &self.mechanism.bodies[link];
-            let count = link.joint.kind().degrees_of_freedom();
-            freedoms.extend(first..first + count);
+            let count = link.joint.kind().dof_count();
+            dofs.extend(first..first + count);
             // At rest the rotation vector of a ball joint is zero.
             match link.joint {
-                Freedom::Spherical => home.extend([0.0; 3]),
+                JointModel::Spherical => home.extend([0.0; 3]),
                 _ => home.extend_from_slice(&self.home[coordinate..coordinate + count]),
             }
         }
         let pose = drive.drive.at_joints(&home)?;
-        let held_nm = pose.servo_torques(&picked(&freedoms, &self.at_rest))?;
+        let held_nm = pose.servo_torques(&picked(&dofs, &self.at_rest))?;
         for (place, index) in drive.servos.iter().enumerate() {
             let own: &Servo = &actuation.servos[*index];
             let gear = own.settings().gear;
@@ -174,7 +174,7 @@ impl<'r> Joints<'r> {
             let middle = 0.5 * servo.kind.range_rad;
             let home_rad = gear * pose.servos()[place] + own.settings().offset_rad;
             servo.home_rad = middle + f64::from(home_rad);
-            let at_shaft = pose.servo_torques(&self.accelerated(&freedoms, &moved)?)?[place];
+            let at_shaft = pose.servo_torques(&self.accelerated(&dofs, &moved)?)?[place];
             // Servos that share a joint share what it moves.
             let inertia = if share > 0.0 { at_shaft / share / (gear * gear) } else { 0.0 };
             servo.load.inertia_kg_m2 = f64::from(inertia).max(HORN_KG_M2);
@@ -184,9 +184,9 @@ impl<'r> Joints<'r> {
                 ([joint], 1) if (ratio.abs() - 1.0).abs() < DIRECT => self.hinge(*joint),
                 _ => None,
             };
-            if let Some((freedom, coordinate)) = hinge {
-                let cosine = f64::from(self.at_rest[freedom] * ratio);
-                let quarter = f64::from(self.quarter_on(freedom, coordinate)?);
+            if let Some((dof, coordinate)) = hinge {
+                let cosine = f64::from(self.at_rest[dof] * ratio);
+                let quarter = f64::from(self.quarter_on(dof, coordinate)?);
                 servo.load.gravity_nm = libm::hypot(cosine, quarter);
                 servo.load.level_rad = servo.home_rad - libm::atan2(-quarter, cosine);
             } else {
@@ -196,35 +196,35 @@ impl<'r> Joints<'r> {
         Ok(())
     }
 
-    /// Freedom and coordinate of a joint that is a hinge.
+    /// Dof and coordinate of a joint that is a hinge.
     fn hinge(&self, joint: usize) -> Option<(usize, usize)> {
-        let (link, freedom, coordinate) = self.places[joint]?;
-        matches!(self.mechanism.bodies[link].joint, Freedom::Revolute(_))
-            .then_some((freedom, coordinate))
+        let (link, dof, coordinate) = self.places[joint]?;
+        matches!(self.mechanism.bodies[link].joint, JointModel::Revolute(_))
+            .then_some((dof, coordinate))
     }
 
     /// What a hinge holds a quarter of a turn on from home.
-    fn quarter_on(&mut self, freedom: usize, coordinate: usize) -> Result<f32, RigServosError> {
+    fn quarter_on(&mut self, dof: usize, coordinate: usize) -> Result<f32, RigServosError> {
         let mut q = self.home.clone();
         q[coordinate] += std::f32::consts::FRAC_PI_2;
         let rest = vec![0.0; self.at_rest.len()];
-        Ok(self.dynamics.efforts(&q, &rest, &rest)?[freedom])
+        Ok(self.dynamics.efforts(&q, &rest, &rest)?[dof])
     }
 
-    /// What accelerations of freedoms take, without gravity.
-    fn accelerated(&mut self, freedoms: &[usize], qdd: &[f32]) -> Result<Vec<f32>, RigServosError> {
+    /// What accelerations of dofs take, without gravity.
+    fn accelerated(&mut self, dofs: &[usize], qdd: &[f32]) -> Result<Vec<f32>, RigServosError> {
         let mut all = vec![0.0; self.at_rest.len()];
-        for (freedom, qdd) in freedoms.iter().zip(qdd) {
-            all[*freedom] = *qdd;
+        for (dof, qdd) in dofs.iter().zip(qdd) {
+            all[*dof] = *qdd;
         }
         let rest = vec![0.0; all.len()];
         let efforts = self.dynamics.efforts(&self.home, &rest, &all)?;
-        Ok(freedoms.iter().map(|at| efforts[*at] - self.at_rest[*at]).collect())
+        Ok(dofs.iter().map(|at| efforts[*at] - self.at_rest[*at]).collect())
     }
 }
 
-fn picked(freedoms: &[usize], efforts: &[f32]) -> Vec<f32> {
-    freedoms.iter().map(|at| efforts[*at]).collect()
+fn picked(dofs: &[usize], efforts: &[f32]) -> Vec<f32> {
+    dofs.iter().map(|at| efforts[*at]).collect()
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::pong::Miss;
+use crate::ping_reply::Miss;
 use crate::store::{ensure_at_rest, open_eeprom, shut_eeprom};
 use crate::table::Role;
 use crate::{Client, Exchange, ServiceError, Servo};

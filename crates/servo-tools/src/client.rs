@@ -6,8 +6,8 @@ use std::time::Duration;
 use sinew_servo_bus::dynamixel::{self, ErrorCode, StatusError};
 use sinew_servo_bus::feetech::{self, Family};
 
-use crate::pong::{Miss, Pong};
-use crate::reply::{Heard, Reply, replies};
+use crate::ping_reply::{Miss, Pong};
+use crate::reply::{ReceivedReply, Reply, replies};
 use crate::{Exchange, Protocol, ServiceError};
 
 /// How patient one is with servos.
@@ -105,7 +105,7 @@ impl<E: Exchange> Client<E> {
         reply_len: usize,
         patience: Duration,
         mut enough: impl FnMut(&[Reply]) -> bool,
-    ) -> Result<Heard, ServiceError> {
+    ) -> Result<ReceivedReply, ServiceError> {
         let wait = self.wait(request.len() + reply_len, patience);
         let (protocol, mut heard) = (self.protocol, Vec::new());
         self.line.exchange(request, wait, &mut |bytes| {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use sinew_servo_bus::settings::{self, Demand};
+use sinew_servo_bus::settings::{self, ServoRequirements};
 pub use sinew_servo_bus::settings::{Mode, Setting};
 
 use crate::rig_servo::RigServo;
@@ -27,7 +27,7 @@ pub fn desired(rig: &RigServo, table: &Table, mode: Mode) -> Result<Vec<Setting>
     let model = &rig.model;
     let half_rad = 0.5 * model.range_rad.value;
     let middle_rad = single(f64::from(table.counts() / 2) * table.rad_per_count());
-    let demand = Demand {
+    let demand = ServoRequirements {
         mode,
         range_rad: rig
             .range_rad

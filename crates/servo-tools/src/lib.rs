@@ -49,7 +49,7 @@ pub mod desired;
 mod error;
 mod exchange;
 pub mod identify;
-mod pong;
+mod ping_reply;
 mod port;
 mod protocol;
 pub mod quantity;

@@ -15,7 +15,7 @@ pub(crate) struct Reply {
 
 /// What came within a time.
 #[derive(Debug, Default)]
-pub(crate) struct Heard {
+pub(crate) struct ReceivedReply {
     pub(crate) replies: Vec<Reply>,
     /// Whether there was something that is no reply.
     pub(crate) is_noisy: bool,
@@ -30,11 +30,16 @@ const LONGEST_FEETECH: usize = 259;
 /// a reply.
 ///
 /// `is_over`: nothing more will come, so a packet behind a damaged one is looked for.
-pub(crate) fn replies(protocol: Protocol, sent: &[u8], heard: &[u8], is_over: bool) -> Heard {
+pub(crate) fn replies(
+    protocol: Protocol,
+    sent: &[u8],
+    heard: &[u8],
+    is_over: bool,
+) -> ReceivedReply {
     let mut rest = match heard.strip_prefix(sent) {
         Some(rest) => rest,
         // It may yet become an echo.
-        None if !is_over && sent.starts_with(heard) => return Heard::default(),
+        None if !is_over && sent.starts_with(heard) => return ReceivedReply::default(),
         None => heard,
     };
     let is_silent = rest.is_empty();
@@ -74,5 +79,5 @@ pub(crate) fn replies(protocol: Protocol, sent: &[u8], heard: &[u8], is_over: bo
         }
     };
     let is_noisy = damaged > 0 || (replies.is_empty() && !is_silent);
-    Heard { replies, is_noisy }
+    ReceivedReply { replies, is_noisy }
 }

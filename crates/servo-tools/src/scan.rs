@@ -7,7 +7,7 @@ use sinew_servo_bus::feetech::Family;
 use sinew_servo_bus::{dynamixel, feetech};
 
 use crate::client::packet;
-use crate::pong::{Miss, Pong};
+use crate::ping_reply::{Miss, Pong};
 use crate::{Client, Exchange, Protocol, ServiceError, Servo};
 
 /// Where to look.

@@ -6,7 +6,7 @@ use sinew_servo_bus::table::Item;
 use sinew_servo_bus::{dynamixel, feetech};
 
 use crate::client::{low, packet};
-use crate::pong::Miss;
+use crate::ping_reply::Miss;
 use crate::table::known;
 use crate::{Client, Exchange, ServiceError, Table};
 

@@ -52,7 +52,7 @@ impl<'a, const C: usize> Blend<'a, C> {
         to: State<'_>,
         duration_s: f32,
     ) -> Result<Self, BlendError> {
-        let (nq, nv) = (show.channel_count(), show.degrees_of_freedom());
+        let (nq, nv) = (show.channel_count(), show.dof_count());
         for state in [from, to] {
             for (name, numbers, expected) in
                 [("q", state.q, nq), ("qd", state.qd, nv), ("qdd", state.qdd, nv)]
@@ -77,8 +77,8 @@ impl<'a, const C: usize> Blend<'a, C> {
         let (mut begin, mut end) = ([Jet::default(); C], [Jet::default(); C]);
         let (mut at, mut v_at) = (0usize, 0usize);
         for joint in show.joints() {
-            let (count, freedoms) = (joint.coordinate_count(), joint.degrees_of_freedom());
-            let (next, v_next) = (at.saturating_add(count), v_at.saturating_add(freedoms));
+            let (count, dofs) = (joint.coordinate_count(), joint.dof_count());
+            let (next, v_next) = (at.saturating_add(count), v_at.saturating_add(dofs));
             for (state, all) in [(from, &mut begin), (to, &mut end)] {
                 jets(
                     joint,

@@ -1,11 +1,11 @@
 //! One channel as it is played: six knots round a position, and where the next ones are read.
 
 use crate::error::ShowError;
-use crate::ladder::{RUNGS, span};
 use crate::layout::ChannelRecord;
 use crate::position::Position;
 use crate::show::Show;
 use crate::span::{Cubic, Jet};
+use crate::span_lengths::{RUNGS, span};
 
 /// Ones before a residual that is stored whole instead.
 pub(crate) const ESCAPE: u32 = 16;

@@ -1,6 +1,6 @@
 //! From channels to joint coordinates.
 //!
-//! The chart of a rotation is a quaternion p of any length: the joint's is p / |p|. Four numbers for three freedoms,
+//! The chart of a rotation is a quaternion p of any length: the joint's is p / |p|. Four numbers for three dofs,
 //! and so no pole, no wrap and no segments: the curve turns as often as it likes. In body axes:
 //!
 //! - ω = 2 Im(p̄ ṗ) / |p|²

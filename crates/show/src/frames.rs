@@ -17,7 +17,7 @@ pub struct ShowFrames<'a, const C: usize> {
     player: Player<'a, C>,
     pace: Pace,
     dt_s: f32,
-    freedoms: usize,
+    dofs: usize,
     q: [f32; C],
     qd: [f32; C],
     qdd: [f32; C],
@@ -36,7 +36,7 @@ impl<'a, const C: usize> ShowFrames<'a, C> {
             player: Player::new(show)?,
             pace: show.pace(dt_s),
             dt_s,
-            freedoms: show.degrees_of_freedom(),
+            dofs: show.dof_count(),
             q: [0.0; C],
             qd: [0.0; C],
             qdd: [0.0; C],
@@ -104,8 +104,8 @@ impl<'a, const C: usize> ShowFrames<'a, C> {
         let coordinates = self.player.show().channel_count();
         Frame::Coordinates {
             q: self.q.get(..coordinates).unwrap_or_default(),
-            qd: self.qd.get(..self.freedoms).unwrap_or_default(),
-            qdd: self.qdd.get(..self.freedoms).unwrap_or_default(),
+            qd: self.qd.get(..self.dofs).unwrap_or_default(),
+            qdd: self.qdd.get(..self.dofs).unwrap_or_default(),
         }
     }
 }

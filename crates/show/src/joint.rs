@@ -5,7 +5,7 @@ use sinew_core::JointKind;
 /// A joint, without its axes: what a show has to know of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Joint {
-    /// No freedom.
+    /// No dof.
     Fixed,
     /// An angle, rad.
     Revolute,
@@ -51,7 +51,7 @@ impl Joint {
     }
 
     /// Its numbers in `qd` and `qdd`.
-    pub const fn degrees_of_freedom(self) -> usize {
+    pub const fn dof_count(self) -> usize {
         match self {
             Self::Fixed => 0,
             Self::Revolute | Self::Prismatic => 1,

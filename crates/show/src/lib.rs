@@ -54,19 +54,19 @@ mod bits;
 mod blend;
 mod channel;
 mod chart;
-mod course;
 mod cue;
 mod error;
 mod frames;
 mod joint;
-mod ladder;
 mod layout;
 mod player;
 mod position;
 mod rig;
 mod show;
 mod span;
+mod span_lengths;
 mod time_code;
+mod time_warp;
 #[cfg(feature = "std")]
 #[expect(
     clippy::expect_used,
@@ -77,7 +77,6 @@ mod time_code;
 pub mod write;
 
 pub use blend::{Blend, BlendError, State};
-pub use course::Course;
 pub use cue::{Cue, Cues};
 pub use error::ShowError;
 pub use frames::ShowFrames;
@@ -86,3 +85,4 @@ pub use player::Player;
 pub use position::{Pace, Position, Rate};
 pub use show::Show;
 pub use time_code::{TimeCode, TimeCodeKind};
+pub use time_warp::TimeWarp;

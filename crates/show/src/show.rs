@@ -3,7 +3,6 @@
 use crc::{CRC_32_ISO_HDLC, Crc};
 
 use crate::bits::Bits;
-use crate::course::{Course, PAIR_LEN};
 use crate::cue::{Cue, Cues};
 use crate::error::ShowError;
 use crate::joint::Joint;
@@ -13,6 +12,7 @@ use crate::layout::{
 };
 use crate::position::{Pace, Position, Rate};
 use crate::time_code::TimeCode;
+use crate::time_warp::{PAIR_LEN, TimeWarp};
 
 pub(crate) const CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
@@ -208,8 +208,8 @@ impl<'a> Show<'a> {
     }
 
     /// How many numbers `qd` and `qdd` have (nv).
-    pub fn degrees_of_freedom(&self) -> usize {
-        self.joints().map(Joint::degrees_of_freedom).fold(0, usize::saturating_add)
+    pub fn dof_count(&self) -> usize {
+        self.joints().map(Joint::dof_count).fold(0, usize::saturating_add)
     }
 
     /// Samples per second: the unit of its times.
@@ -255,8 +255,8 @@ impl<'a> Show<'a> {
     }
 
     /// How a show that was slowed down goes through its performance: empty if it was not, or has no time code.
-    pub fn course(&self) -> Course<'a> {
-        Course::new(self.course)
+    pub fn course(&self) -> TimeWarp<'a> {
+        TimeWarp::new(self.course)
     }
 
     /// Its cues, in the order of time.

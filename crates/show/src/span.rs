@@ -59,7 +59,8 @@ mod tests {
         for _ in 0..2000 {
             let mut knots = [next(1000) - 500; 6];
             for k in 1..6 {
-                knots[k] = knots[k - 1] + crate::ladder::span(u8::try_from(next(12)).unwrap_or(0));
+                knots[k] =
+                    knots[k - 1] + crate::span_lengths::span(u8::try_from(next(12)).unwrap_or(0));
             }
             let control = [0; 4].map(|_| next(4000) - 2000);
             let step = 1e-3;

@@ -34,8 +34,8 @@ pub struct Area {
 pub struct Capacity {
     /// Bodies.
     pub bodies: u16,
-    /// Degrees of freedom.
-    pub degrees_of_freedom: u16,
+    /// Degrees of dof.
+    pub dofs: u16,
     /// Servos.
     pub servos: u16,
 }
@@ -174,7 +174,7 @@ impl BoardTable {
             Area { start: 0x4_0000, sector_len: 0x2_0000, sectors: 1 },
             Area { start: 0x6_0000, sector_len: 0x2_0000, sectors: 1 },
         ],
-        capacity: Capacity { bodies: 33, degrees_of_freedom: 33, servos: 32 },
+        capacity: Capacity { bodies: 33, dofs: 33, servos: 32 },
     };
 
     /// Bytes of rig that the log holds beside settings of a length: while a new one comes, the old one stays.
@@ -220,7 +220,7 @@ impl Capacity {
         if found != *b"SNWR\x01\x00" {
             return Err(CapacityError::NotARig { found });
         }
-        let dof = self.degrees_of_freedom;
+        let dof = self.dofs;
         for (what, found, holds) in [
             ("bodies", [b0, b1], self.bodies),
             ("degrees of freedom", [f0, f1], dof),

@@ -12,7 +12,7 @@ use embedded_storage::nor_flash::NorFlash;
 use crate::board::Area;
 use crate::error::Error;
 use crate::flash::{CHECKSUM, all_ones, fill, padded, read};
-use crate::record::{HEAD_LEN, Head, Look, Record, Seal};
+use crate::record::{HEAD_LEN, Head, Record, RecordStatus, Seal};
 
 const MAGIC: [u8; 4] = *b"SNWL";
 const VERSION: u32 = 1;
@@ -56,7 +56,7 @@ impl Log {
         }
         if let Some(mut active) = log.active {
             let sector_end = log.start(active.sector.saturating_add(1));
-            while let Look::Record(record) = Record::look(flash, active.end, sector_end)? {
+            while let RecordStatus::Record(record) = Record::look(flash, active.end, sector_end)? {
                 active.end = record.end::<F>();
             }
             active.look_behind(flash, sector_end)?;
@@ -84,8 +84,8 @@ impl Log {
         let Some(active) = self.active else { return Ok(None) };
         let at = at.unwrap_or(self.first_in::<F>(active.sector));
         Ok(match Record::look(flash, at, active.end)? {
-            Look::Record(record) => Some(record),
-            Look::Free | Look::Torn => None,
+            RecordStatus::Record(record) => Some(record),
+            RecordStatus::Free | RecordStatus::Torn => None,
         })
     }
 

@@ -6,7 +6,7 @@ use crate::descriptor::Descriptor;
 use crate::disarmed::Disarmed;
 use crate::error::Error;
 use crate::fault::{Tally, reserve};
-use crate::record::{Look, Record};
+use crate::record::{Record, RecordStatus};
 use crate::store::Store;
 use crate::upload::Upload;
 
@@ -48,7 +48,9 @@ impl<F: NorFlash> Store<F> {
             if room > area.total_len() {
                 continue;
             }
-            if let Look::Record(record) = Record::look(&mut self.flash, area.start, area.end())? {
+            if let RecordStatus::Record(record) =
+                Record::look(&mut self.flash, area.start, area.end())?
+            {
                 let resumed = Upload::resume(&mut self.flash, record, descriptor, None)?;
                 if let Some(upload) = resumed {
                     return Ok(upload);

@@ -64,7 +64,7 @@ pub(crate) struct Record {
 
 /// What a place holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Look {
+pub(crate) enum RecordStatus {
     /// Nothing, or the end.
     Free,
     /// No record's head: how long it is nobody knows.
@@ -111,19 +111,19 @@ impl Record {
         flash: &mut F,
         at: u32,
         end: u32,
-    ) -> Result<Look, Error<F::Error>> {
+    ) -> Result<RecordStatus, Error<F::Error>> {
         if at.saturating_add(Self::room::<F>(0)) > end {
-            return Ok(Look::Free);
+            return Ok(RecordStatus::Free);
         }
         let mut raw = [0; 16];
         read(flash, at, &mut raw)?;
         if raw == [0xFF; 16] {
-            return Ok(Look::Free);
+            return Ok(RecordStatus::Free);
         }
         let record = Head::decode(raw).map(|head| Self { at, head });
         Ok(match record {
-            Some(record) if record.end::<F>() <= end => Look::Record(record),
-            _ => Look::Torn,
+            Some(record) if record.end::<F>() <= end => RecordStatus::Record(record),
+            _ => RecordStatus::Torn,
         })
     }
 

@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::fault::{CLEARED_HEAD, FAULT_HEAD, Fault, Faults, least_reserve};
 use crate::flash::{fill, read};
 use crate::log::{Active, Log};
-use crate::record::{Look, Record};
+use crate::record::{Record, RecordStatus};
 use crate::stored::Stored;
 use crate::upload::Upload;
 
@@ -264,7 +264,8 @@ impl<F: NorFlash> Store<F> {
     }
 
     pub(crate) fn in_slot(&mut self, area: Area) -> Result<Option<Stored>, Error<F::Error>> {
-        let Look::Record(record) = Record::look(&mut self.flash, area.start, area.end())? else {
+        let RecordStatus::Record(record) = Record::look(&mut self.flash, area.start, area.end())?
+        else {
             return Ok(None);
         };
         let item = Stored::of(&mut self.flash, &record)?;

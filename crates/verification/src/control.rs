@@ -5,7 +5,9 @@ use serde::Deserialize;
 use sinew_core::control::Gains;
 use sinew_core::glam::Vec3;
 use sinew_core::state_error::{Aim, Aims, Compensation, Method};
-use sinew_core::{Controller, JointKind, JointStates, JointTargets, Transform, Twist, Workspace};
+use sinew_core::{
+    JointKind, JointStates, JointTargets, TorqueController, Transform, Twist, Workspace,
+};
 
 use super::CaseError;
 use super::figure::{self, GoldenBody, Root, Tree, joint_state, links, tree};
@@ -105,7 +107,7 @@ fn check_method(
     }
     let gains = Gains::new(case.kp.rounded(), case.kv.rounded())
         .map_err(|error| CaseError::new("kp", error))?;
-    let controller = Controller::new(tree.clone(), gains, method)
+    let controller = TorqueController::new(tree.clone(), gains, method)
         .and_then(|controller| controller.with_gravity(case.gravity.rounded()))
         .map_err(|error| CaseError::new("gravity", error))?;
     let mut targets = targets(case, tree)?;

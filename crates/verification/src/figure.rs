@@ -148,7 +148,7 @@ pub(super) fn joint_state(
 ) -> Result<JointState, CaseError> {
     let position = [rotation.to_array().as_slice(), &position_m.to_array()].concat();
     let speed = [omega_rad_s.to_array(), velocity_m_s.to_array()].concat();
-    let (position_count, speed_count) = (joint.coordinate_count(), joint.degrees_of_freedom());
+    let (position_count, speed_count) = (joint.coordinate_count(), joint.dof_count());
     joint
         .state(placement, &position[..position_count], &speed[..speed_count])
         .map_err(|error| CaseError::new("quat", error))

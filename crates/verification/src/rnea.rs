@@ -5,9 +5,7 @@ mod forward;
 
 use glam::{DQuat, DVec3};
 use serde::Deserialize;
-use sinew_core::dynamics::{
-    BodyMotion, CompositeBody, degrees_of_freedom, inverse_dynamics, mass_matrix,
-};
+use sinew_core::dynamics::{BodyMotion, CompositeBody, dof_count, inverse_dynamics, mass_matrix};
 use sinew_core::glam::Vec3;
 use sinew_core::{BodyState, JointState, Twist, Wrench, kinematics};
 
@@ -385,11 +383,11 @@ fn check_mass_matrix(
     expect_count("H_lower", expected.len(), count * (count + 1) / 2)?;
     let expected = |row: usize, column: usize| expected[row * (row + 1) / 2 + column].0;
 
-    let mut matrix = vec![0.0; degrees_of_freedom(tree.bodies()).pow(2)];
+    let mut matrix = vec![0.0; dof_count(tree.bodies()).pow(2)];
     let mut scratch = vec![CompositeBody::default(); tree.len()];
     let size = mass_matrix(tree.bodies(), still, &mut scratch, &mut matrix);
     // The files have a free root's slides before its turns, the core has them after.
-    let freedom = |coordinate: usize| match (case.root, coordinate) {
+    let dof = |coordinate: usize| match (case.root, coordinate) {
         (Root::Free, 0..3) => coordinate + 3,
         (Root::Free, 3..6) => coordinate - 3,
         _ => coordinate,
@@ -406,11 +404,11 @@ fn check_mass_matrix(
             let got = f64::from(wrenches[*body].power_w(*along));
             // H is positive definite: no element exceeds the geometric mean of its two diagonal ones.
             let scale = (expected(row, row) * expected(column, column)).sqrt();
-            let of_matrix = f64::from(matrix[freedom(row) * size + freedom(column)]);
+            let of_matrix = f64::from(matrix[dof(row) * size + dof(column)]);
             for (name, rounded, got) in
                 [("H", &of_rounded, of_matrix), ("H, by torques", &by_torques, got)]
             {
-                let limit = rounded[freedom(column)][freedom(row)].limit();
+                let limit = rounded[dof(column)][dof(row)].limit();
                 let quantity = Quantity { name, unit: "kg m²", limit, scale };
                 let error = got - expected(row, column);
                 tallies.add_error(quantity, format_args!("{at}, H[{row}][{column}]"), error);

@@ -11,7 +11,7 @@ pub mod servo;
 pub mod show;
 
 use sinew_core::glam::{Quat, Vec3};
-use sinew_core::tracker::{Frame, FrameSource, before_the_first};
+use sinew_core::tracker::{Frame, FrameSource, extrapolate_before_start};
 use sinew_core::{
     Body, Inertia, JointKind, JointState, RotationalInertia, Transform, Tree, TreeError, Twist,
     math,
@@ -100,7 +100,7 @@ impl<const N: usize> FrameSource for Frames<'_, N> {
             return Frame::Poses(at(index));
         }
         for (pose, (first, second)) in self.before.iter_mut().zip(at(0).iter().zip(at(1))) {
-            *pose = before_the_first(first, second, index.unsigned_abs());
+            *pose = extrapolate_before_start(first, second, index.unsigned_abs());
         }
         Frame::Poses(&self.before)
     }

@@ -2,7 +2,7 @@
 
 use sinew_core::control::Limited;
 use sinew_core::{
-    Controller, ForwardDifferences, JointStates, JointTargets, StateInputError, Transform,
+    ForwardDifferences, JointStates, JointTargets, StateInputError, TorqueController, Transform,
     Workspace, Wrench,
 };
 
@@ -12,7 +12,7 @@ pub const DT_S: f32 = 0.01;
 /// A controller and all that its tick works on; `R` is the room for resolved acceleration, see [`Workspace`].
 #[derive(Debug)]
 pub struct Rig<const N: usize, const R: usize = 0> {
-    controller: Controller<N>,
+    controller: TorqueController<N>,
     differences: ForwardDifferences<N>,
     targets: JointTargets<N>,
     measured: JointStates<N>,
@@ -25,7 +25,7 @@ impl<const N: usize, const R: usize> Rig<N, R> {
     /// # Errors
     /// [`StateInputError`] if a pose is missing, not finite or not unit.
     pub fn new(
-        controller: Controller<N>,
+        controller: TorqueController<N>,
         workspace: Workspace<N, R>,
         desired: [&[Transform]; 2],
     ) -> Result<Self, StateInputError> {

@@ -35,7 +35,7 @@ pub fn perform<const C: usize>(
     read(show)?;
     let show = Show::open(show).map_err(|_| "the show is not valid")?;
     let mut player = Player::<C>::new(show).map_err(|_| "the show has too many coordinates")?;
-    let (nq, nv) = (show.channel_count(), show.degrees_of_freedom());
+    let (nq, nv) = (show.channel_count(), show.dof_count());
     let pace = show.pace(1.0 / rate_hz.max(1) as f32);
     let [mut q, mut qd, mut qdd] = [[0.0; C]; 3];
     let (mut tick, mut hash) = (0, NOTHING);

@@ -5,12 +5,12 @@ use std::process::ExitCode;
 
 use sinew_bit_parity::answer;
 
-use crate::{BODIES, BUFFER_LEN, COORDINATES, FREEDOMS};
+use crate::{BODIES, BUFFER_LEN, COORDINATES, DOFS};
 
 pub(crate) fn main() -> ExitCode {
     let (mut input, mut output) = (stdin().lock(), BufWriter::new(stdout().lock()));
     let mut buffer = vec![0; BUFFER_LEN];
-    let result = answer::<BODIES, FREEDOMS, COORDINATES>(
+    let result = answer::<BODIES, DOFS, COORDINATES>(
         &mut buffer,
         |bytes| input.read_exact(bytes).map_err(|_| "the request ends too early"),
         |bytes| output.write_all(bytes).map_err(|_| "the answer cannot be written"),

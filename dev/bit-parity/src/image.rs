@@ -6,7 +6,7 @@ use cortex_m_semihosting::{debug, heprintln};
 use sinew_bit_parity::answer;
 use static_cell::ConstStaticCell;
 
-use crate::{BODIES, BUFFER_LEN, COORDINATES, FREEDOMS, files};
+use crate::{BODIES, BUFFER_LEN, COORDINATES, DOFS, files};
 
 #[entry]
 fn main() -> ! {
@@ -26,7 +26,7 @@ fn perform() -> Result<(), &'static str> {
     static BUFFER: ConstStaticCell<[u8; BUFFER_LEN]> = ConstStaticCell::new([0; BUFFER_LEN]);
     let input = files::open(c"/dev/stdin", files::READ)?;
     let output = files::open(c"/dev/stdout", files::WRITE)?;
-    answer::<BODIES, FREEDOMS, COORDINATES>(
+    answer::<BODIES, DOFS, COORDINATES>(
         BUFFER.take(),
         |bytes| files::read(input, bytes),
         |bytes| files::write(output, bytes),

@@ -14,7 +14,7 @@ mod image;
 const BODIES: usize = 18;
 
 /// Its degrees of freedom: a free root, and ball joints.
-const FREEDOMS: usize = 6 + 3 * (BODIES - 1);
+const DOFS: usize = 6 + 3 * (BODIES - 1);
 
 /// Coordinates of the largest show, which is the figure's: quaternions have four numbers.
 const COORDINATES: usize = 7 + 4 * (BODIES - 1);

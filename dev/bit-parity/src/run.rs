@@ -24,7 +24,9 @@
 
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::state_error::StateError;
-use sinew_core::tracker::{Frame, FrameSource, MethodName, Timing, Tracker, before_the_first};
+use sinew_core::tracker::{
+    Frame, FrameSource, MethodName, Timing, Tracker, extrapolate_before_start,
+};
 use sinew_core::{Transform, Twist, Workspace};
 
 use crate::replay::{components, settings, tree};
@@ -169,7 +171,7 @@ impl<const N: usize> FrameSource for RecordedFrames<'_, N> {
             self.read(1, &mut second);
             self.read(0, &mut poses);
             for (pose, second) in poses.iter_mut().zip(&second) {
-                *pose = before_the_first(pose, second, index.unsigned_abs());
+                *pose = extrapolate_before_start(pose, second, index.unsigned_abs());
             }
         }
         self.poses = poses;

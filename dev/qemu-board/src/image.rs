@@ -23,7 +23,7 @@ static SHOW: &[u8] =
 
 /// Bodies of the figure: a free root, and ball joints.
 const BODIES: usize = 18;
-const FREEDOMS: usize = 6 + 3 * (BODIES - 1);
+const DOFS: usize = 6 + 3 * (BODIES - 1);
 const COORDINATES: usize = 7 + 4 * (BODIES - 1);
 
 const INSTRUCTIONS_PER_COUNT: u64 = 40;
@@ -50,7 +50,7 @@ fn perform() -> Result<(), &'static str> {
     peripherals.SYST.clear_current();
     peripherals.SYST.enable_counter();
 
-    let tree = tree::<BODIES, FREEDOMS>(RIG).map_err(|_| "the rig is not usable")?;
+    let tree = tree::<BODIES, DOFS>(RIG).map_err(|_| "the rig is not usable")?;
     let show = Show::open(SHOW).map_err(|_| "the show is not valid")?;
     let ticks = ticks(&show);
     for method in METHODS {

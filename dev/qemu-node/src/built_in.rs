@@ -7,7 +7,7 @@ use sinew_firmware::controller::{ControllerSettings, ServoSetup};
 use sinew_servo_bus::Schedule;
 use sinew_wiring::{Bus, LINES, Lines as AnyLines, Wiring};
 
-pub use sinew_wiring::{Dynamixel, Line, OnLine, Protocol, Servo};
+pub use sinew_wiring::{Dynamixel, Line, LineServo, Protocol, Servo};
 
 use crate::arm::{self, Kind};
 use crate::node::CAPACITY;

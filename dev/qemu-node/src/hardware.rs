@@ -60,9 +60,9 @@ impl NorFlash for Chip<'_> {
 }
 
 /// RAM for what the loop reads in place. A show that is lent is copied there: flash is borrowed as a whole.
-pub(crate) struct Lent<'m>(pub(crate) &'m mut [u8]);
+pub(crate) struct ShowBuffer<'m>(pub(crate) &'m mut [u8]);
 
-impl<'m> Lent<'m> {
+impl<'m> ShowBuffer<'m> {
     fn copy(&mut self, show: &[u8]) -> Option<&'m [u8]> {
         let (copy, rest) = core::mem::take(&mut self.0).split_at_mut_checked(show.len())?;
         self.0 = rest;
@@ -72,9 +72,9 @@ impl<'m> Lent<'m> {
 }
 
 /// A critical section: nothing interrupts.
-pub(crate) struct Alone<T>(pub(crate) RefCell<T>);
+pub(crate) struct SingleThreaded<T>(pub(crate) RefCell<T>);
 
-impl<T> Shared<T> for Alone<T> {
+impl<T> Shared<T> for SingleThreaded<T> {
     fn with<R>(&self, act: impl FnOnce(&mut T) -> R) -> R {
         act(&mut self.0.borrow_mut())
     }
@@ -159,17 +159,17 @@ pub(crate) fn put<B: Bytes<Error = Infallible>>(host: &mut End<B>, message: &ToH
 }
 
 /// The board as link and storage see it, while they run.
-pub(crate) struct Desktop<'t, 'm> {
+pub(crate) struct HostPort<'t, 'm> {
     pub(crate) now_us: u64,
     /// Bytes of the host that are not taken yet.
     pub(crate) came: &'t [u8],
     /// Bytes for the host.
     pub(crate) said: Vec<u8, 2048>,
     pub(crate) chip: Chip<'m>,
-    pub(crate) lent: &'t mut Lent<'m>,
+    pub(crate) lent: &'t mut ShowBuffer<'m>,
 }
 
-impl<'a, 'm: 'a> Port<'a> for Desktop<'_, 'm> {
+impl<'a, 'm: 'a> Port<'a> for HostPort<'_, 'm> {
     fn now_us(&self) -> u64 {
         self.now_us
     }

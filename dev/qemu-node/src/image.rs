@@ -16,7 +16,7 @@ use sinew_qemu_node::node::{self, IS_ORDERED};
 use static_cell::ConstStaticCell;
 
 use crate::files;
-use crate::kept::Kept;
+use crate::kept::PersistentRam;
 
 #[entry]
 fn main() -> ! {
@@ -25,7 +25,7 @@ fn main() -> ! {
         input: files::open(c"/dev/stdin", files::READ).expect("QEMU has an input"),
         output: files::open(c"/dev/stdout", files::WRITE).expect("QEMU has an output"),
     };
-    let kept = Kept::take();
+    let kept = PersistentRam::take();
     let causes = causes(false, false, kept.take_panic());
     node::run(&mut End::new(host), causes, &mut kept.flash, LENT.take())
 }
@@ -52,7 +52,7 @@ impl Bytes for Host {
 #[panic_handler]
 fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
     if IS_ORDERED.load(Ordering::Relaxed) {
-        Kept::note_panic();
+        PersistentRam::note_panic();
         SCB::sys_reset();
     }
     heprintln!("{}", info);

@@ -14,16 +14,16 @@ const PANIC: u32 = 0x50A1_1C5A;
 
 /// All of it.
 #[repr(C)]
-pub(crate) struct Kept {
+pub(crate) struct PersistentRam {
     panic: u32,
     pub(crate) flash: [u8; FLASH_LEN],
 }
 
-fn place() -> *mut Kept {
+fn place() -> *mut PersistentRam {
     ptr::with_exposed_provenance_mut(AT)
 }
 
-impl Kept {
+impl PersistentRam {
     /// The one reference to it: to be taken once, at the start.
     #[expect(unsafe_code, reason = "it has an address, and no name that a linker knows")]
     pub(crate) fn take() -> &'static mut Self {

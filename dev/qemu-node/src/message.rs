@@ -82,7 +82,7 @@ pub enum ToHost<'a> {
     /// Whether the answers are all there.
     IsComplete(bool),
     /// The tick is over: what came of it; none if there is no rig.
-    Ticked(#[serde(borrow)] Option<OfLoop<'a>>),
+    Ticked(#[serde(borrow)] Option<LoopMessage<'a>>),
     /// The steps below the loop are made.
     Stepped {
         /// Bytes that it took from the line.
@@ -107,7 +107,7 @@ pub struct Packets<'a> {
 
 /// What came of the loop in a tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct OfLoop<'a> {
+pub struct LoopMessage<'a> {
     /// Whether the tick was whole: the watchdog was fed.
     pub is_fed: bool,
     /// Whether servos have their signals (OE).

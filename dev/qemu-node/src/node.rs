@@ -5,21 +5,23 @@ use core::convert::Infallible;
 use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicBool, Ordering};
 
-use sinew_firmware::controller::Controller;
-use sinew_firmware::node::{Control, Desk, Found, Mail, Next, NodeSettings, Setup, start};
+use sinew_firmware::controller::MotionController;
+use sinew_firmware::node::{
+    BackgroundTask, ControlLoop, Found, Mail, Next, NodeSettings, Setup, start,
+};
 use sinew_firmware::supervisor::{Fault, FaultSet};
 use sinew_link::message::{About, Capacities, Release, Version};
 use sinew_storage::{Area, BoardTable, Capacity};
 use sinew_wiring::AllLines;
 
 use crate::built_in::{BuiltIn, Said};
-use crate::hardware::{Alone, Chip, Desktop, Lent, Pins, Servos, put, take};
-use crate::message::{Bytes, End, LINE_AT_ONCE, OfLoop, ToHost, ToNode};
+use crate::hardware::{Chip, HostPort, Pins, Servos, ShowBuffer, SingleThreaded, put, take};
+use crate::message::{Bytes, End, LINE_AT_ONCE, LoopMessage, ToHost, ToNode};
 
-/// Bodies, freedoms and servos that it holds.
+/// Bodies, dofs and servos that it holds.
 pub const CAPACITY: usize = 40;
 
-/// Coordinates that it holds: a ball joint has four for three freedoms.
+/// Coordinates that it holds: a ball joint has four for three dofs.
 pub const COORDINATES: usize = CAPACITY + CAPACITY / 3;
 
 /// Lines of servos that it has.
@@ -29,7 +31,7 @@ pub const LINES: usize = sinew_wiring::LINES;
 const OF_ARM: u16 = 8;
 
 const fn capacity(of: u16) -> Capacity {
-    Capacity { bodies: of, degrees_of_freedom: of, servos: of }
+    Capacity { bodies: of, dofs: of, servos: of }
 }
 
 /// Of the arm's board: sectors as the F446's.
@@ -168,7 +170,7 @@ fn until_restart<B: Bytes<Error = Infallible>>(
 ) {
     let flash = RefCell::new(flash);
     let chip = Chip(&flash);
-    let mut lent = Lent(lent);
+    let mut lent = ShowBuffer(lent);
     let parts = said.parts();
     let defaults = NodeSettings::new(parts.settings, parts.schedule);
     let (table, about) = match said {
@@ -187,7 +189,7 @@ fn until_restart<B: Bytes<Error = Infallible>>(
     let Found { store, disarmed, settings, rig, is_bad, start } = found.expect("flash is RAM");
     let lines = RefCell::new(parts.lines);
     let mut control = rig.and_then(|(rig, _)| {
-        Control::<CAPACITY, CAPACITY, CAPACITY, COORDINATES>::new(
+        ControlLoop::<CAPACITY, CAPACITY, CAPACITY, COORDINATES>::new(
             rig,
             &settings,
             &parts.servos,
@@ -199,8 +201,8 @@ fn until_restart<B: Bytes<Error = Infallible>>(
     let tick_s = 1e-6 * parts.schedule.tick_us() as f32;
     let rig = rig.filter(|_| control.is_some());
     let setup = Setup { about, settings, is_bad, rig, tick_s, line_bps: LINE_BPS };
-    let mail = Alone(RefCell::new(Mail::new(disarmed)));
-    let mut desk = Desk::new(store, setup, first_session(starts));
+    let mail = SingleThreaded(RefCell::new(Mail::new(disarmed)));
+    let mut desk = BackgroundTask::new(store, setup, first_session(starts));
     loop {
         match take(host) {
             ToNode::Tick { now_us, is_stopped } => {
@@ -215,7 +217,7 @@ fn until_restart<B: Bytes<Error = Infallible>>(
                 let _ = control.tick(&mut pins, &mail, &mut AllLines(&lines), &mut wire, &mut []);
                 let controller = control.controller();
                 let report = controller.report();
-                let of_loop = OfLoop {
+                let of_loop = LoopMessage {
                     is_fed: pins.is_fed,
                     outputs: pins.outputs,
                     state: report.state.number(),
@@ -228,7 +230,7 @@ fn until_restart<B: Bytes<Error = Infallible>>(
                 let came = heapless::Vec::<u8, LINE_AT_ONCE>::from_slice(line);
                 let came = came.expect("not too many bytes");
                 let said = heapless::Vec::new();
-                let mut port = Desktop { now_us, came: &came, said, chip, lent: &mut lent };
+                let mut port = HostPort { now_us, came: &came, said, chip, lent: &mut lent };
                 let restarts = (0..steps).any(|_| desk.step(&mut port, &mail) == Next::Restart);
                 let taken = came.len() - port.came.len();
                 put(host, &ToHost::Stepped { taken, line: &port.said, restarts });
@@ -245,19 +247,21 @@ fn until_restart<B: Bytes<Error = Infallible>>(
     }
 }
 
-/// Bytes of what is commanded to all freedoms.
+/// Bytes of what is commanded to all dofs.
 type Commanded = heapless::Vec<u8, { (COORDINATES + 3 * CAPACITY) * size_of::<f32>() }>;
 
-fn bytes_of(controller: &Controller<'_, CAPACITY, CAPACITY, CAPACITY, COORDINATES>) -> Commanded {
+fn bytes_of(
+    controller: &MotionController<'_, CAPACITY, CAPACITY, CAPACITY, COORDINATES>,
+) -> Commanded {
     commanded(controller).flat_map(f32::to_le_bytes).collect()
 }
 
-/// What a controller has commanded in its last tick: positions, then speeds, then the tracker's effort of each freedom
+/// What a controller has commanded in its last tick: positions, then speeds, then the tracker's effort of each dof
 /// and how far it is from where it should be.
 pub fn commanded<'c, const B: usize, const V: usize, const S: usize, const C: usize>(
-    controller: &'c Controller<'_, B, V, S, C>,
+    controller: &'c MotionController<'_, B, V, S, C>,
 ) -> impl Iterator<Item = f32> + 'c {
     let (q, qd) = controller.commanded();
-    let freedoms = controller.report().freedoms.iter();
-    q.iter().chain(qd).copied().chain(freedoms.flat_map(|freedom| [freedom.effort, freedom.error]))
+    let dofs = controller.report().dofs.iter();
+    q.iter().chain(qd).copied().chain(dofs.flat_map(|dof| [dof.effort, dof.error]))
 }

@@ -6,15 +6,15 @@ use sinew_rig::board::BoardRig;
 use sinew_servo_bus::{EncodeError, Health, Schedule, ServoBus};
 use sinew_show::{ShowError, ShowFrames};
 
+use super::coordinates::{number, put};
 use super::error::{ControllerError, Incomplete};
 use super::feed::{Jog, LiveSource, SoftStart, Sources, plays_show};
 use super::output::Output;
-use super::part::{number, put};
 use super::path::Path;
 use super::performance::Performance;
 use super::pose::Pose;
 use super::registers::Comparison;
-use super::report::{FreedomReport, Report, filled};
+use super::report::{DofReport, Report, filled};
 use super::settings::{ControllerSettings, ServoSetup, Start};
 use super::stop_test::StopTest;
 use super::watch::Watch;
@@ -43,68 +43,74 @@ pub struct Inputs {
     pub jog: Option<Jog>,
 }
 
-/// A tick that has begun: to be given to [`Controller::end`].
+/// A tick that has begun: to be given to [`MotionController::end`].
 #[derive(Debug)]
 #[must_use = "a tick that is not ended is not whole"]
 pub struct Begun {
     result: Result<(), Incomplete>,
 }
 
-/// The loop of a rig of at most `B` bodies, `V` freedoms, `S` servos and `C` coordinates. All memory is in here: put it
+/// The loop of a rig of at most `BODIES` bodies, `DOFS` dofs, `SERVOS` servos and `COORDS` coordinates. All memory is in here: put it
 /// in a static.
 #[derive(Debug)]
-pub struct Controller<'a, const B: usize, const V: usize, const S: usize, const C: usize> {
-    rig: &'a BoardRig<B, V, S>,
+pub struct MotionController<
+    'a,
+    const BODIES: usize,
+    const DOFS: usize,
+    const SERVOS: usize,
+    const COORDS: usize,
+> {
+    rig: &'a BoardRig<BODIES, DOFS, SERVOS>,
     rig_crc: u32,
     dt_s: f32,
     tick_us: u32,
     supervisor: Supervisor,
-    watch: Watch<V, S>,
-    path: Path<V, C>,
-    sources: Sources<'a, V, C>,
-    performance: Performance<'a, B, V, S>,
-    output: Output<S>,
+    watch: Watch<DOFS, SERVOS>,
+    path: Path<DOFS, COORDS>,
+    sources: Sources<'a, DOFS, COORDS>,
+    performance: Performance<'a, BODIES, DOFS, SERVOS>,
+    output: Output<SERVOS>,
     stop_test: StopTest,
-    comparison: Comparison<S>,
-    readings: Readings<V, S, C>,
+    comparison: Comparison<SERVOS>,
+    readings: Readings<DOFS, SERVOS, COORDS>,
     permission: Permission,
     state: State,
     is_there: bool,
     /// Faults of the tick before, or of the board's start: found in the next tick.
     pending: FaultSet,
     was_late: bool,
-    report: Report<V, S>,
+    report: Report<DOFS, SERVOS>,
 }
 
 /// What servos said in the tick before.
 #[derive(Debug)]
-struct Readings<const V: usize, const S: usize, const C: usize> {
-    servos: Vec<(Condition, Health), S>,
-    conditions: Vec<Condition, S>,
-    freedoms: Vec<Option<Measured>, V>,
+struct Readings<const DOFS: usize, const SERVOS: usize, const COORDS: usize> {
+    servos: Vec<(Condition, Health), SERVOS>,
+    conditions: Vec<Condition, SERVOS>,
+    dofs: Vec<Option<Measured>, DOFS>,
     /// Positions and speeds; what is not measured is where it was commanded.
-    pose: Pose<V, C>,
+    pose: Pose<DOFS, COORDS>,
     /// The same for the tracker: a joint whose servo closes its own loop is where it was commanded. The tracker cannot
     /// correct it; what it would do about it would be in the efforts of the others, for accelerations that never come.
-    tracked: Pose<V, C>,
+    tracked: Pose<DOFS, COORDS>,
 }
 
-impl<const V: usize, const S: usize, const C: usize> Readings<V, S, C> {
+impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Readings<DOFS, SERVOS, COORDS> {
     /// Before any.
     #[inline(never)]
-    fn new(freedoms: usize, pose: &Pose<V, C>) -> Self {
+    fn new(dofs: usize, pose: &Pose<DOFS, COORDS>) -> Self {
         Self {
             servos: Vec::new(),
             conditions: Vec::new(),
-            freedoms: filled(freedoms, None),
+            dofs: filled(dofs, None),
             pose: pose.clone(),
             tracked: pose.clone(),
         }
     }
 }
 
-impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
-    Controller<'a, B, V, S, C>
+impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COORDS: usize>
+    MotionController<'a, BODIES, DOFS, SERVOS, COORDS>
 {
     /// A controller at the board's start: torque is off. `schedule`: of the bus that it will be given; its servos are
     /// the rig's, in its order.
@@ -112,7 +118,7 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
     /// # Errors
     /// [`ControllerError`] says in words what does not fit: the rig, the rate, a setting.
     pub fn new(
-        rig: &'a BoardRig<B, V, S>,
+        rig: &'a BoardRig<BODIES, DOFS, SERVOS>,
         settings: &ControllerSettings,
         servos: &[ServoSetup],
         schedule: &Schedule,
@@ -125,7 +131,7 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
 
     /// Of a rig, but without settings and servos.
     #[inline(never)]
-    pub(crate) fn blank(rig: &'a BoardRig<B, V, S>) -> Self {
+    pub(crate) fn blank(rig: &'a BoardRig<BODIES, DOFS, SERVOS>) -> Self {
         let mut supervisor = Supervisor::default();
         // Nothing is heard yet, and nothing asked: what is permitted before the first tick.
         let Outcome { state, permission, .. } = supervisor.step(&Supervised::default());
@@ -187,17 +193,17 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
     ) -> Result<(), ControllerError> {
         let (rig, dt_s) = (self.rig, self.dt_s);
         let found = rig.tree().coordinate_count();
-        self.path = Path::new(rig, dt_s).ok_or(ControllerError::Capacity { found, holds: C })?;
+        self.path =
+            Path::new(rig, dt_s).ok_or(ControllerError::Capacity { found, holds: COORDS })?;
         self.supervisor = Supervisor::new(settings.supervisor, start.count, start.log)?;
         let Outcome { state, permission, .. } = self.supervisor.step(&Supervised::default());
         (self.state, self.permission) = (state, permission);
-        self.report =
-            Report::new(state, permission.source, rig.freedoms().len(), rig.servos().len());
+        self.report = Report::new(state, permission.source, rig.dofs().len(), rig.servos().len());
         self.watch = Watch::new(rig, settings, servos, dt_s)?;
         self.output = Output::new(rig.servos(), servos, dt_s)?;
         let soft = SoftStart::new(&settings.supervisor, dt_s);
         self.sources = Sources::new(self.path.now(), soft);
-        self.readings = Readings::new(rig.freedoms().len(), self.path.now());
+        self.readings = Readings::new(rig.dofs().len(), self.path.now());
         self.comparison = Comparison::new(rig.servos(), servos);
         self.pending = start.causes;
         Ok(())
@@ -220,7 +226,7 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
         }
         // Half a millionth of a turn is rounding of whoever wrote it.
         match self.path.beyond(q, 3e-6) {
-            Some(freedom) => Err(ControllerError::RestRange { freedom }),
+            Some(dof) => Err(ControllerError::RestRange { dof }),
             None => Ok(self),
         }
     }
@@ -237,7 +243,7 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
 
     /// Another show, which [`open_show`](super::open_show) has opened below the loop, or none. If one plays, it ends,
     /// and the rig holds. O(1).
-    pub fn put_show(&mut self, show: Option<ShowFrames<'a, C>>) {
+    pub fn put_show(&mut self, show: Option<ShowFrames<'a, COORDS>>) {
         self.sources.put(show, plays_show(self.state, self.permission.source));
     }
 
@@ -247,7 +253,7 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
     }
 
     /// The first half of a tick: what servos said in the tick before, what is wrong, what may be done, and commands for
-    /// the bus, which are to be [exchanged](super::exchange) now. O(freedoms).
+    /// the bus, which are to be [exchanged](super::exchange) now. O(dofs).
     pub fn begin(
         &mut self,
         inputs: &Inputs,
@@ -316,7 +322,7 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
     }
 
     /// What became of the last tick.
-    pub fn report(&self) -> &Report<V, S> {
+    pub fn report(&self) -> &Report<DOFS, SERVOS> {
         &self.report
     }
 
@@ -330,7 +336,7 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
         &self.permission
     }
 
-    /// The pose that is commanded, in the rig's coordinates: positions, and speeds of the freedoms.
+    /// The pose that is commanded, in the rig's coordinates: positions, and speeds of the dofs.
     pub fn commanded(&self) -> (&[f32], &[f32]) {
         (self.path.now().q(), self.path.now().qd())
     }
@@ -342,7 +348,7 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
 
     /// Takes what the bus knows; says whether all of it are numbers.
     fn read(&mut self, bus: &impl ServoBus) -> bool {
-        let Readings { servos, conditions, freedoms, pose, tracked } = &mut self.readings;
+        let Readings { servos, conditions, dofs, pose, tracked } = &mut self.readings;
         servos.clear();
         conditions.clear();
         for servo in 0..self.rig.servos().len() {
@@ -351,11 +357,11 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
             let _ = servos.push((condition, bus.health(servo).unwrap_or_default()));
             let _ = conditions.push(condition);
         }
-        if self.performance.drives.measured(conditions, freedoms).is_err() {
+        if self.performance.drives.measured(conditions, dofs).is_err() {
             return false;
         }
-        read_pose(&self.path, freedoms, |_| true, pose);
-        read_pose(&self.path, freedoms, |freedom| self.performance.corrects(freedom), tracked);
+        read_pose(&self.path, dofs, |_| true, pose);
+        read_pose(&self.path, dofs, |dof| self.performance.corrects(dof), tracked);
         true
     }
 
@@ -368,17 +374,15 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
         }
         self.watch.servos(&self.readings.servos, &mut findings, &mut self.report.servos);
         self.watch.range(&self.path, self.readings.pose.q(), &mut findings);
-        let mut errors = [0.0; V];
+        let mut errors = [0.0; DOFS];
         self.path.errors(self.readings.pose.q(), &mut errors);
         let Permission { torque, effort, .. } = self.permission;
-        let freedoms = &self.readings.freedoms;
-        let following =
-            self.watch.freedoms(&errors, freedoms, torque && effort >= 1.0, &mut findings);
+        let dofs = &self.readings.dofs;
+        let following = self.watch.dofs(&errors, dofs, torque && effort >= 1.0, &mut findings);
         self.report.following = torque.then_some(following);
-        for ((report, error), measured) in self.report.freedoms.iter_mut().zip(errors).zip(freedoms)
-        {
+        for ((report, error), measured) in self.report.dofs.iter_mut().zip(errors).zip(dofs) {
             let measured_effort = measured.and_then(|measured| measured.effort);
-            *report = FreedomReport { error, measured_effort, ..FreedomReport::default() };
+            *report = DofReport { error, measured_effort, ..DofReport::default() };
         }
         if let Some(fault) = self.watch.overrun.step(self.was_late) {
             findings.note(fault);
@@ -468,7 +472,7 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
                 (tracked.q(), tracked.qd()),
                 conditions,
                 |servo| permission.effort * watch.share(servo),
-                &mut self.report.freedoms,
+                &mut self.report.dofs,
             )
             .map_err(|_| Incomplete::NotFinite)?;
         let switch_on = self.state == State::Arming && permission.source == Source::Measured;
@@ -485,7 +489,7 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
             return Err(Incomplete::NotFinite);
         }
         self.is_there = self.path.step(led, 1.0, permission.speed_rad_s);
-        let mut walls = [0.0; V];
+        let mut walls = [0.0; DOFS];
         self.path.walls(readings.pose.q(), &mut walls);
         let watch = &self.watch;
         let commands = self
@@ -495,7 +499,7 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
                 (readings.pose.q(), &walls),
                 &readings.conditions,
                 |servo| permission.effort * watch.share(servo),
-                &mut self.report.freedoms,
+                &mut self.report.dofs,
             )
             .map_err(|_| Incomplete::NotFinite)?;
         let servos = &mut self.report.servos;
@@ -503,17 +507,17 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize>
     }
 }
 
-/// The pose of what is measured of the freedoms that count; the others are where they were commanded.
-fn read_pose<const V: usize, const C: usize>(
-    path: &Path<V, C>,
-    freedoms: &[Option<Measured>],
+/// The pose of what is measured of the dofs that count; the others are where they were commanded.
+fn read_pose<const DOFS: usize, const COORDS: usize>(
+    path: &Path<DOFS, COORDS>,
+    dofs: &[Option<Measured>],
     counts: impl Fn(usize) -> bool,
-    pose: &mut Pose<V, C>,
+    pose: &mut Pose<DOFS, COORDS>,
 ) {
-    let mut at = [0.0; V];
+    let mut at = [0.0; DOFS];
     path.positions(&mut at);
     let [q, qd, _] = pose.all_mut();
-    for (index, measured) in freedoms.iter().enumerate() {
+    for (index, measured) in dofs.iter().enumerate() {
         let measured = measured.filter(|_| counts(index));
         let speed = number(path.now().qd(), index);
         put(qd, index, measured.map_or(speed, |measured| measured.velocity));

@@ -44,8 +44,8 @@ pub enum ControllerError {
     },
     /// A rest pose is where a joint cannot be.
     RestRange {
-        /// The joint's freedom.
-        freedom: usize,
+        /// The joint's dof.
+        dof: usize,
     },
     /// A setting.
     Setting(SettingError),
@@ -85,10 +85,10 @@ impl fmt::Display for ControllerError {
                 "the rest pose must have {expected} numbers from -1e6 to 1e6, one for each coordinate; it has {found} \
                  numbers"
             ),
-            Self::RestRange { freedom } => {
+            Self::RestRange { dof } => {
                 write!(
                     f,
-                    "the rest pose is outside of the range of freedom {freedom}: choose one within all ranges"
+                    "the rest pose is outside of the range of dof {dof}: choose one within all ranges"
                 )
             }
             Self::Setting(why) => why.fmt(f),

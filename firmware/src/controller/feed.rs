@@ -33,8 +33,8 @@ impl<L: LiveSource> LiveSource for Option<L> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Jog {
-    /// Index of the freedom.
-    pub freedom: u16,
+    /// Index of the dof.
+    pub dof: u16,
     /// How fast, rad/s or m/s; held to what the state allows.
     pub speed: f32,
 }
@@ -59,8 +59,8 @@ impl SoftStart {
 
 /// All sources, and where each of them is.
 #[derive(Debug)]
-pub(super) struct Sources<'a, const V: usize, const C: usize> {
-    show: Option<ShowFrames<'a, C>>,
+pub(super) struct Sources<'a, const DOFS: usize, const COORDS: usize> {
+    show: Option<ShowFrames<'a, COORDS>>,
     /// Ticks that the show has run.
     ticks: u32,
     /// In so many of them, an even number, a show that starts at speed gains its pace from standing still.
@@ -72,16 +72,16 @@ pub(super) struct Sources<'a, const V: usize, const C: usize> {
     uploaded: bool,
     /// The show that played is there no more: its feed is silent for a tick, and the rig holds.
     changed: bool,
-    pub(super) rest: Pose<V, C>,
-    live: Pose<V, C>,
+    pub(super) rest: Pose<DOFS, COORDS>,
+    live: Pose<DOFS, COORDS>,
     has_live: bool,
     /// The pose of the source that is followed now.
-    goal: Pose<V, C>,
+    goal: Pose<DOFS, COORDS>,
 }
 
-impl<'a, const V: usize, const C: usize> Sources<'a, V, C> {
+impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
     #[inline(never)]
-    pub(super) fn new(rest: &Pose<V, C>, soft: SoftStart) -> Self {
+    pub(super) fn new(rest: &Pose<DOFS, COORDS>, soft: SoftStart) -> Self {
         Self {
             show: None,
             ticks: 0,
@@ -98,10 +98,10 @@ impl<'a, const V: usize, const C: usize> Sources<'a, V, C> {
     }
 
     /// Another show, or none. Of one that is refused nothing is left.
-    pub(super) fn load<const B: usize, const S: usize>(
+    pub(super) fn load<const BODIES: usize, const SERVOS: usize>(
         &mut self,
         bytes: Option<&'a [u8]>,
-        (rig, crc): (&BoardRig<B, V, S>, u32),
+        (rig, crc): (&BoardRig<BODIES, DOFS, SERVOS>, u32),
         dt_s: f32,
         plays: bool,
     ) -> Result<(), ShowError> {
@@ -124,7 +124,7 @@ impl<'a, const V: usize, const C: usize> Sources<'a, V, C> {
     }
 
     /// Another show that was checked, or none.
-    pub(super) fn put(&mut self, show: Option<ShowFrames<'a, C>>, plays: bool) {
+    pub(super) fn put(&mut self, show: Option<ShowFrames<'a, COORDS>>, plays: bool) {
         self.uploaded |= show.is_some();
         (self.show, self.ticks) = (show, 0);
         self.changed |= plays;
@@ -151,7 +151,7 @@ impl<'a, const V: usize, const C: usize> Sources<'a, V, C> {
     /// cannot be counted any more: after 2³¹, 50 days at 500 Hz.
     pub(super) fn feeds(&mut self, jog: Option<Jog>, plays_show: bool) -> Feeds {
         let has_changed = core::mem::take(&mut self.changed);
-        let is_over = |frames: &ShowFrames<'a, C>| {
+        let is_over = |frames: &ShowFrames<'a, COORDS>| {
             let show = frames.show();
             let is_at_end = self.at(frames) > Position::from_samples(show.length());
             plays_show && (!show.is_loop() && is_at_end || self.index() == i32::MAX)
@@ -165,7 +165,7 @@ impl<'a, const V: usize, const C: usize> Sources<'a, V, C> {
         self.show.as_ref().map(|frames| self.at(frames))
     }
 
-    fn at(&self, frames: &ShowFrames<'a, C>) -> Position {
+    fn at(&self, frames: &ShowFrames<'a, COORDS>) -> Position {
         if self.ticks < self.run_in {
             frames.run_in_position(self.ticks, self.run_in)
         } else {
@@ -179,14 +179,14 @@ impl<'a, const V: usize, const C: usize> Sources<'a, V, C> {
     }
 
     /// Whether a joint of the show's first frame is faster than from standing still it may be.
-    fn starts_at_speed(&mut self, path: &Path<V, C>) -> bool {
+    fn starts_at_speed(&mut self, path: &Path<DOFS, COORDS>) -> bool {
         let Some(frames) = &mut self.show else { return false };
         self.goal.take(frames.frame(0));
         path.moving(self.goal.qd(), self.soft.rad_s).is_some()
     }
 
     /// A source begins. `here`: where the rig comes to stand; `measured`: where it is.
-    pub(super) fn begin(&mut self, source: Source, here: &Pose<V, C>, measured: &[f32]) {
+    pub(super) fn begin(&mut self, source: Source, here: &Pose<DOFS, COORDS>, measured: &[f32]) {
         self.ticks = 0;
         self.goal.clone_from(if source == Source::Rest { &self.rest } else { here });
         if source == Source::Measured {
@@ -195,7 +195,7 @@ impl<'a, const V: usize, const C: usize> Sources<'a, V, C> {
     }
 
     /// The rig is led: its goal is where it was measured.
-    pub(super) fn lead(&mut self, measured: &[f32]) -> &Pose<V, C> {
+    pub(super) fn lead(&mut self, measured: &[f32]) -> &Pose<DOFS, COORDS> {
         self.goal.q_mut().iter_mut().zip(measured).for_each(|(goal, measured)| *goal = *measured);
         &self.goal
     }
@@ -205,17 +205,17 @@ impl<'a, const V: usize, const C: usize> Sources<'a, V, C> {
         &mut self,
         permission: &Permission,
         jog: Option<Jog>,
-        path: &Path<V, C>,
+        path: &Path<DOFS, COORDS>,
         dt_s: f32,
-    ) -> &Pose<V, C> {
+    ) -> &Pose<DOFS, COORDS> {
         match permission.source {
             Source::Feed(Feed::Show) => self.show_goal(permission.runs, path),
             Source::Feed(Feed::Live) if self.has_live => self.goal.clone_from(&self.live),
             Source::Feed(Feed::Jog) => {
-                if let Some(Jog { freedom, speed }) = jog {
+                if let Some(Jog { dof, speed }) = jog {
                     let most = permission.speed_rad_s.unwrap_or(0.0);
                     let by = dt_s * speed.max(-most).min(most);
-                    path.jog(usize::from(freedom), by, self.goal.q_mut());
+                    path.jog(usize::from(dof), by, self.goal.q_mut());
                 }
             }
             _ => {}
@@ -224,7 +224,7 @@ impl<'a, const V: usize, const C: usize> Sources<'a, V, C> {
     }
 
     /// Before the show runs, the rig rests in its first frame: the frame before that stands there.
-    fn show_goal(&mut self, runs: bool, path: &Path<V, C>) {
+    fn show_goal(&mut self, runs: bool, path: &Path<DOFS, COORDS>) {
         if runs && self.ticks == 0 {
             self.run_in = if self.starts_at_speed(path) { self.soft.ticks } else { 0 };
         }
@@ -248,12 +248,18 @@ impl<'a, const V: usize, const C: usize> Sources<'a, V, C> {
 ///
 /// # Errors
 /// [`ShowError`] if it cannot be read, or is of another rig.
-pub fn open_show<'a, const B: usize, const V: usize, const S: usize, const C: usize>(
-    rig: &BoardRig<B, V, S>,
+pub fn open_show<
+    'a,
+    const BODIES: usize,
+    const DOFS: usize,
+    const SERVOS: usize,
+    const COORDS: usize,
+>(
+    rig: &BoardRig<BODIES, DOFS, SERVOS>,
     rig_crc: u32,
     dt_s: f32,
     bytes: &'a [u8],
-) -> Result<ShowFrames<'a, C>, ShowError> {
+) -> Result<ShowFrames<'a, COORDS>, ShowError> {
     let show = Show::open(bytes)?;
     show.check_rig(rig_crc)?;
     show.check_joints(rig.tree().bodies().iter().map(|body| body.joint))?;

@@ -10,10 +10,10 @@
 //! ```
 //!
 //! # A tick
-//! 1. [`Controller::begin`] looks at what the servos said in the tick before, decides, and gives commands to the bus.
+//! 1. [`MotionController::begin`] looks at what the servos said in the tick before, decides, and gives commands to the bus.
 //!    A fault that it finds acts here: torque off is in the packets of this very tick.
 //! 2. [`exchange`] puts these packets on the board's [`Wire`], and takes what comes back.
-//! 3. [`Controller::end`] says whether the tick was whole. Only then there is a [`Complete`](crate::watchdog::Complete),
+//! 3. [`MotionController::end`] says whether the tick was whole. Only then there is a [`Complete`](crate::watchdog::Complete),
 //!    and a board feeds its watchdog with nothing else.
 //!
 //! As long as torque is not permitted, torque off goes out to all servos in every tick: one lost packet changes
@@ -45,11 +45,11 @@
 
 #[expect(clippy::module_inception, reason = "the type of the module's name")]
 mod controller;
+mod coordinates;
 mod error;
 mod estimate;
 mod feed;
 mod output;
-mod part;
 mod path;
 mod performance;
 mod pose;
@@ -60,10 +60,10 @@ mod stop_test;
 mod watch;
 mod wire;
 
-pub use controller::{Begun, Controller, Inputs, check_budget};
+pub use controller::{Begun, Inputs, MotionController, check_budget};
 pub use error::{ControllerError, Incomplete};
 pub use estimate::{TICK_CYCLES, estimated_us};
 pub use feed::{Jog, LiveSource, open_show};
-pub use report::{Following, FreedomReport, Report, ServoReport};
+pub use report::{DofReport, Following, Report, ServoReport};
 pub use settings::{ControllerSettings, ServoSetup, Start};
 pub use wire::{Wire, exchange};

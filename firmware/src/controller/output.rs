@@ -12,11 +12,11 @@ use sinew_rig::board::BoardServo;
 
 /// The guards of all servos.
 #[derive(Debug, Default)]
-pub(super) struct Output<const S: usize> {
-    guards: Vec<Guard, S>,
+pub(super) struct Output<const SERVOS: usize> {
+    guards: Vec<Guard, SERVOS>,
 }
 
-impl<const S: usize> Output<S> {
+impl<const SERVOS: usize> Output<SERVOS> {
     #[inline(never)]
     pub(super) fn new(
         servos: &[BoardServo],

@@ -5,7 +5,7 @@ use sinew_core::math;
 use sinew_rig::board::BoardRig;
 use sinew_rig::drive::Numbers;
 
-use super::part::{Part, between, number, parts, put, put_three, put_turn, three, turn};
+use super::coordinates::{Part, between, number, parts, put, put_three, put_turn, three, turn};
 use super::pose::Pose;
 use crate::drives::follower::Follower;
 use crate::supervisor::Moving;
@@ -21,16 +21,16 @@ const THERE: f32 = 1e-3;
 
 /// The commanded pose, from tick to tick.
 #[derive(Debug, Clone)]
-pub(super) struct Path<const V: usize, const C: usize> {
-    parts: Vec<Part, V>,
-    freedoms: Vec<Axis, V>,
+pub(super) struct Path<const DOFS: usize, const COORDS: usize> {
+    parts: Vec<Part, DOFS>,
+    dofs: Vec<Axis, DOFS>,
     dt_s: f32,
     /// Where the source was left that was followed before.
-    from: Pose<V, C>,
-    now: Pose<V, C>,
+    from: Pose<DOFS, COORDS>,
+    now: Pose<DOFS, COORDS>,
 }
 
-/// One freedom.
+/// One dof.
 #[derive(Debug, Clone, Copy)]
 struct Axis {
     follower: Follower,
@@ -43,64 +43,57 @@ struct Axis {
     shaft: f32,
 }
 
-impl<const V: usize, const C: usize> Path<V, C> {
-    /// Of no freedoms.
+impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
+    /// Of no dofs.
     pub(super) fn blank() -> Self {
         let nowhere = Pose::new(0, 0);
-        Self {
-            parts: Vec::new(),
-            freedoms: Vec::new(),
-            dt_s: 0.0,
-            from: nowhere.clone(),
-            now: nowhere,
-        }
+        Self { parts: Vec::new(), dofs: Vec::new(), dt_s: 0.0, from: nowhere.clone(), now: nowhere }
     }
 
     /// At the rig's home; none if it has more coordinates than there is room for.
     #[inline(never)]
-    pub(super) fn new<const B: usize, const S: usize>(
-        rig: &BoardRig<B, V, S>,
+    pub(super) fn new<const BODIES: usize, const SERVOS: usize>(
+        rig: &BoardRig<BODIES, DOFS, SERVOS>,
         dt_s: f32,
     ) -> Option<Self> {
         let tree = rig.tree();
-        let (nq, nv) = (tree.coordinate_count(), tree.degrees_of_freedom());
-        if nq > C {
+        let (nq, nv) = (tree.coordinate_count(), tree.dof_count());
+        if nq > COORDS {
             return None;
         }
-        let mut freedoms = Vec::new();
-        for freedom in rig.freedoms() {
-            let follower =
-                Follower::within(freedom.range, freedom.speed, freedom.acceleration, dt_s);
-            let (speed, effort, range) = (freedom.speed, freedom.effort, freedom.range);
-            freedoms.push(Axis { follower, speed, effort, range, shaft: 1.0 }).ok()?;
+        let mut dofs = Vec::new();
+        for dof in rig.dofs() {
+            let follower = Follower::within(dof.range, dof.speed, dof.acceleration, dt_s);
+            let (speed, effort, range) = (dof.speed, dof.effort, dof.range);
+            dofs.push(Axis { follower, speed, effort, range, shaft: 1.0 }).ok()?;
         }
-        set_shafts(rig, &mut freedoms);
+        set_shafts(rig, &mut dofs);
         let now = Pose::new(nq, nv);
-        let mut path = Self { parts: parts(tree)?, freedoms, dt_s, from: now.clone(), now };
-        let mut home: Vec<f32, V> = Vec::new();
-        home.extend(rig.freedoms().iter().map(|freedom| freedom.home).take(V));
-        let mut at: Pose<V, C> = Pose::new(nq, nv);
+        let mut path = Self { parts: parts(tree)?, dofs, dt_s, from: now.clone(), now };
+        let mut home: Vec<f32, DOFS> = Vec::new();
+        home.extend(rig.dofs().iter().map(|dof| dof.home).take(DOFS));
+        let mut at: Pose<DOFS, COORDS> = Pose::new(nq, nv);
         path.coordinates(&home, at.q_mut());
         path.place(at.q());
         Some(path)
     }
 
     /// The commanded pose.
-    pub(super) fn now(&self) -> &Pose<V, C> {
+    pub(super) fn now(&self) -> &Pose<DOFS, COORDS> {
         &self.now
     }
 
-    /// Coordinates of positions by freedom, of a ball joint its rotation vector.
-    pub(super) fn coordinates(&self, freedoms: &[f32], q: &mut [f32]) {
+    /// Coordinates of positions by dof, of a ball joint its rotation vector.
+    pub(super) fn coordinates(&self, dofs: &[f32], q: &mut [f32]) {
         for part in &self.parts {
             match *part {
-                Part::Number { q: at, v } => put(q, at, number(freedoms, v)),
-                Part::Turn { q: at, v } => put_turn(q, at, math::exp(three(freedoms, v))),
+                Part::Number { q: at, v } => put(q, at, number(dofs, v)),
+                Part::Turn { q: at, v } => put_turn(q, at, math::exp(three(dofs, v))),
             }
         }
     }
 
-    /// The commanded position of each freedom, of a ball joint its rotation vector.
+    /// The commanded position of each dof, of a ball joint its rotation vector.
     pub(super) fn positions(&self, out: &mut [f32]) {
         for part in &self.parts {
             match *part {
@@ -110,7 +103,7 @@ impl<const V: usize, const C: usize> Path<V, C> {
         }
     }
 
-    /// How far the commanded pose is from another, by freedom: of a ball joint in body axes.
+    /// How far the commanded pose is from another, by dof: of a ball joint in body axes.
     pub(super) fn errors(&self, q: &[f32], out: &mut [f32]) {
         for part in &self.parts {
             match *part {
@@ -122,49 +115,49 @@ impl<const V: usize, const C: usize> Path<V, C> {
         }
     }
 
-    /// The first number of a pose that is farther beyond its range than `slack`: its freedom. From there the rig cannot
+    /// The first number of a pose that is farther beyond its range than `slack`: its dof. From there the rig cannot
     /// be armed where it is.
     pub(super) fn beyond(&self, pose: &[f32], slack: f32) -> Option<usize> {
         self.parts.iter().find_map(|part| match *part {
             Part::Number { q, v } => {
                 let at = number(pose, q);
-                let held = self.freedoms.get(v).map_or(at, |axis| axis.follower.held(at));
+                let held = self.dofs.get(v).map_or(at, |axis| axis.follower.held(at));
                 ((held - at).abs() > slack).then_some(v)
             }
             Part::Turn { .. } => None,
         })
     }
 
-    /// The freedom that moves farthest beyond `most_rad_s` of the fastest shaft of its drive, if any does.
+    /// The dof that moves farthest beyond `most_rad_s` of the fastest shaft of its drive, if any does.
     pub(super) fn moving(&self, qd: &[f32], most_rad_s: f32) -> Option<Moving> {
         let (mut farthest, mut found) = (1.0, None);
-        for (freedom, (axis, rad_s)) in self.freedoms.iter().zip(qd).enumerate() {
+        for (dof, (axis, rad_s)) in self.dofs.iter().zip(qd).enumerate() {
             let share = rad_s.abs() * axis.shaft / most_rad_s;
             if share > farthest {
                 let most = most_rad_s / axis.shaft;
-                (farthest, found) = (share, Some(Moving::new(freedom, *rad_s, most)));
+                (farthest, found) = (share, Some(Moving::new(dof, *rad_s, most)));
             }
         }
         found
     }
 
-    /// By freedom, what pushes a pose back from the ends of its ranges, N m or N. Ball joints have no walls.
+    /// By dof, what pushes a pose back from the ends of its ranges, N m or N. Ball joints have no walls.
     pub(super) fn walls(&self, pose: &[f32], out: &mut [f32]) {
         for part in &self.parts {
             if let Part::Number { q, v } = *part {
-                put(out, v, self.freedoms.get(v).map_or(0.0, |axis| axis.wall(number(pose, q))));
+                put(out, v, self.dofs.get(v).map_or(0.0, |axis| axis.wall(number(pose, q))));
             }
         }
     }
 
     /// Stands in a pose, or where the ranges are next to it.
     pub(super) fn place(&mut self, q: &[f32]) {
-        let Self { parts, freedoms, now, from, .. } = self;
+        let Self { parts, dofs, now, from, .. } = self;
         now.rest();
         for part in parts.iter() {
             match *part {
                 Part::Number { q: at, v } => {
-                    if let Some(axis) = freedoms.get_mut(v) {
+                    if let Some(axis) = dofs.get_mut(v) {
                         axis.follower.begin(number(q, at));
                         put(now.q_mut(), at, axis.follower.stop_rad());
                     }
@@ -176,13 +169,13 @@ impl<const V: usize, const C: usize> Path<V, C> {
     }
 
     /// Another source begins: the last one is left where the joints can stand. Ball joints stand at once.
-    pub(super) fn depart(&mut self) -> &Pose<V, C> {
-        let Self { parts, freedoms, now, from, .. } = self;
+    pub(super) fn depart(&mut self) -> &Pose<DOFS, COORDS> {
+        let Self { parts, dofs, now, from, .. } = self;
         from.clone_from(now);
         from.rest();
         for part in parts.iter() {
             if let Part::Number { q, v } = *part
-                && let Some(axis) = freedoms.get(v)
+                && let Some(axis) = dofs.get(v)
             {
                 put(from.q_mut(), q, axis.follower.stop_rad());
             }
@@ -190,17 +183,17 @@ impl<const V: usize, const C: usize> Path<V, C> {
         from
     }
 
-    /// Turns one freedom of a pose on by so much; a pose of numbers stays within its range.
-    pub(super) fn jog(&self, freedom: usize, by: f32, q: &mut [f32]) {
-        let Some(axis) = self.freedoms.get(freedom) else { return };
+    /// Turns one dof of a pose on by so much; a pose of numbers stays within its range.
+    pub(super) fn jog(&self, dof: usize, by: f32, q: &mut [f32]) {
+        let Some(axis) = self.dofs.get(dof) else { return };
         for part in &self.parts {
             match *part {
-                Part::Number { q: at, v } if v == freedom => {
+                Part::Number { q: at, v } if v == dof => {
                     put(q, at, axis.follower.held(number(q, at) + by));
                 }
-                Part::Turn { q: at, v } if (v..v.saturating_add(3)).contains(&freedom) => {
+                Part::Turn { q: at, v } if (v..v.saturating_add(3)).contains(&dof) => {
                     let mut axis = [0.0; 3];
-                    put(&mut axis, freedom.saturating_sub(v), by);
+                    put(&mut axis, dof.saturating_sub(v), by);
                     put_turn(q, at, math::unit(turn(q, at) * math::exp(axis.into())));
                 }
                 _ => {}
@@ -209,20 +202,20 @@ impl<const V: usize, const C: usize> Path<V, C> {
     }
 
     /// A tick: nearer to a goal, which counts `weight` against where the last source was left. Says whether it is
-    /// there. `speed_rad_s`: the fastest joint; none for what the joints' own limits say. O(freedoms).
+    /// there. `speed_rad_s`: the fastest joint; none for what the joints' own limits say. O(dofs).
     pub(super) fn step(
         &mut self,
-        goal: &Pose<V, C>,
+        goal: &Pose<DOFS, COORDS>,
         weight: f32,
         speed_rad_s: Option<f32>,
     ) -> bool {
-        let Self { parts, freedoms, dt_s, from, now } = self;
+        let Self { parts, dofs, dt_s, from, now } = self;
         let (mut is_there, is_over) = (true, weight >= 1.0);
         let [q, qd, qdd] = now.all_mut();
         for part in parts.iter() {
             match *part {
                 Part::Number { q: at, v } => {
-                    let Some(axis) = freedoms.get_mut(v) else { continue };
+                    let Some(axis) = dofs.get_mut(v) else { continue };
                     axis.follower.set_speed(axis.most(speed_rad_s));
                     let (from, to) = (number(from.q(), at), number(goal.q(), at));
                     let wanted = if is_over { to } else { from + weight * (to - from) };
@@ -234,7 +227,7 @@ impl<const V: usize, const C: usize> Path<V, C> {
                     is_there &= (next - to).abs() <= THERE;
                 }
                 Part::Turn { q: at, v } => {
-                    let own = freedoms.get(v..v.saturating_add(3)).unwrap_or_default();
+                    let own = dofs.get(v..v.saturating_add(3)).unwrap_or_default();
                     let most =
                         own.iter().fold(f32::INFINITY, |m, axis| m.min(axis.most(speed_rad_s)));
                     let (from, to) = (turn(from.q(), at), turn(goal.q(), at));
@@ -279,16 +272,16 @@ impl Axis {
 
 /// How fast the shafts of drives turn for a joint's speed, in the home pose. Where several joints turn one shaft, each
 /// may have all of it: their sum is within.
-fn set_shafts<const B: usize, const V: usize, const S: usize>(
-    rig: &BoardRig<B, V, S>,
+fn set_shafts<const BODIES: usize, const DOFS: usize, const SERVOS: usize>(
+    rig: &BoardRig<BODIES, DOFS, SERVOS>,
     axes: &mut [Axis],
 ) {
     for drive in rig.drives() {
         let mut home = Numbers::new();
-        for freedom in &drive.freedoms {
-            let freedom = rig.freedoms().get(usize::from(*freedom));
-            // Freedoms of a drive are counted: there is room.
-            let _ = home.push(freedom.map_or(0.0, |freedom| freedom.home));
+        for dof in &drive.dofs {
+            let dof = rig.dofs().get(usize::from(*dof));
+            // Dofs of a drive are counted: there is room.
+            let _ = home.push(dof.map_or(0.0, |dof| dof.home));
         }
         let Ok(pose) = drive.drive.at_joints(&home) else { continue };
         let mut sums = Numbers::new();
@@ -301,8 +294,8 @@ fn set_shafts<const B: usize, const V: usize, const S: usize>(
             sums.iter_mut().zip(&shafts).for_each(|(sum, shaft)| *sum += shaft.abs());
         }
         let fastest = sums.iter().fold(1.0_f32, |most, sum| most.max(*sum));
-        for freedom in &drive.freedoms {
-            if let Some(axis) = axes.get_mut(usize::from(*freedom)) {
+        for dof in &drive.dofs {
+            if let Some(axis) = axes.get_mut(usize::from(*dof)) {
                 axis.shaft = fastest;
             }
         }

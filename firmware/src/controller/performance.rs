@@ -7,11 +7,11 @@ use sinew_core::tracker::{Measured, Timing, Tracker};
 use sinew_core::{JointStates, Twist, Wrench};
 use sinew_rig::board::BoardRig;
 
+use super::coordinates::number;
 use super::error::ControllerError;
-use super::part::number;
 use super::path::Path;
 use super::pose::Pose;
-use super::report::FreedomReport;
+use super::report::DofReport;
 use super::settings::{ControllerSettings, ServoSetup};
 use crate::drives::{Class, Condition, Drives, ServoCommand, ServoDrive};
 
@@ -23,20 +23,22 @@ pub(super) struct NotFinite;
 
 /// Tracker and drives of a rig.
 #[derive(Debug)]
-pub(super) struct Performance<'a, const B: usize, const V: usize, const S: usize> {
-    rig: &'a BoardRig<B, V, S>,
-    tracker: Tracker<B, DELAYS>,
-    pub(super) drives: Drives<'a, B, V, S>,
-    /// By freedom: whether its servos take what the tracker makes of an error.
-    corrects: Vec<bool, V>,
-    commands: Vec<DofCommand, V>,
-    out: Vec<Option<ServoCommand>, S>,
+pub(super) struct Performance<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize> {
+    rig: &'a BoardRig<BODIES, DOFS, SERVOS>,
+    tracker: Tracker<BODIES, DELAYS>,
+    pub(super) drives: Drives<'a, BODIES, DOFS, SERVOS>,
+    /// By dof: whether its servos take what the tracker makes of an error.
+    corrects: Vec<bool, DOFS>,
+    commands: Vec<DofCommand, DOFS>,
+    out: Vec<Option<ServoCommand>, SERVOS>,
 }
 
-impl<'a, const B: usize, const V: usize, const S: usize> Performance<'a, B, V, S> {
+impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
+    Performance<'a, BODIES, DOFS, SERVOS>
+{
     /// Of a rig, but of no servos yet.
     #[inline(never)]
-    pub(super) fn blank(rig: &'a BoardRig<B, V, S>) -> Self {
+    pub(super) fn blank(rig: &'a BoardRig<BODIES, DOFS, SERVOS>) -> Self {
         Self {
             rig,
             tracker: Tracker::empty(),
@@ -56,17 +58,17 @@ impl<'a, const B: usize, const V: usize, const S: usize> Performance<'a, B, V, S
         timing: Timing,
     ) -> Result<(), ControllerError> {
         let Self { rig, tracker, drives, corrects, commands, out } = self;
-        let mut of_drives: Vec<_, S> = Vec::new();
-        of_drives.extend(servos.iter().map(|servo| servo.drive).take(S));
+        let mut of_drives: Vec<_, SERVOS> = Vec::new();
+        of_drives.extend(servos.iter().map(|servo| servo.drive).take(SERVOS));
         drives.set_up(&of_drives, timing).map_err(ControllerError::Drives)?;
-        // Freedoms and servos of a rig are counted: there is room.
-        let _ = commands.resize(rig.freedoms().len(), DofCommand::default());
+        // Dofs and servos of a rig are counted: there is room.
+        let _ = commands.resize(rig.dofs().len(), DofCommand::default());
         let _ = out.resize(rig.servos().len(), None);
-        let _ = corrects.resize(rig.freedoms().len(), false);
+        let _ = corrects.resize(rig.dofs().len(), false);
         for drive in rig.drives() {
             let class = drive.servos.first().and_then(|servo| class(drives.servos(), *servo));
-            for freedom in &drive.freedoms {
-                if let Some(corrects) = corrects.get_mut(usize::from(*freedom)) {
+            for dof in &drive.dofs {
+                if let Some(corrects) = corrects.get_mut(usize::from(*dof)) {
                     *corrects = class == Some(Class::Current);
                 }
             }
@@ -74,9 +76,9 @@ impl<'a, const B: usize, const V: usize, const S: usize> Performance<'a, B, V, S
         tracker.set_up(rig.tree(), &settings.tracker, timing).map_err(ControllerError::Tracker)
     }
 
-    /// Whether the servos of a freedom take what the tracker makes of an error.
-    pub(super) fn corrects(&self, freedom: usize) -> bool {
-        self.corrects.get(freedom).copied().unwrap_or(false)
+    /// Whether the servos of a dof take what the tracker makes of an error.
+    pub(super) fn corrects(&self, dof: usize) -> bool {
+        self.corrects.get(dof).copied().unwrap_or(false)
     }
 
     /// Whether every servo takes an effort: else the rig cannot carry itself.
@@ -85,9 +87,9 @@ impl<'a, const B: usize, const V: usize, const S: usize> Performance<'a, B, V, S
     }
 
     /// Begins where the rig is, at rest.
-    pub(super) fn begin<const C: usize>(
+    pub(super) fn begin<const COORDS: usize>(
         &mut self,
-        pose: &Pose<V, C>,
+        pose: &Pose<DOFS, COORDS>,
         conditions: &[Condition],
     ) -> Result<(), NotFinite> {
         self.drives.begin(conditions);
@@ -95,19 +97,22 @@ impl<'a, const B: usize, const V: usize, const S: usize> Performance<'a, B, V, S
     }
 
     /// The tracker begins where the rig is, at rest; drives go on.
-    pub(super) fn resume<const C: usize>(&mut self, pose: &Pose<V, C>) -> Result<(), NotFinite> {
+    pub(super) fn resume<const COORDS: usize>(
+        &mut self,
+        pose: &Pose<DOFS, COORDS>,
+    ) -> Result<(), NotFinite> {
         let measured = Measured::Positions { q: pose.q() };
         self.tracker.begin(&mut &*pose, 0, measured).map_err(|_| NotFinite)
     }
 
-    /// A tick: commands of all servos. `share`: what part of its effort each servo may give. O(freedoms).
-    pub(super) fn step<const C: usize>(
+    /// A tick: commands of all servos. `share`: what part of its effort each servo may give. O(dofs).
+    pub(super) fn step<const COORDS: usize>(
         &mut self,
-        pose: &Pose<V, C>,
+        pose: &Pose<DOFS, COORDS>,
         (q, qd): (&[f32], &[f32]),
         conditions: &[Condition],
         share: impl Fn(usize) -> f32,
-        report: &mut [FreedomReport],
+        report: &mut [DofReport],
     ) -> Result<&[Option<ServoCommand>], NotFinite> {
         let Self { rig, tracker, drives, commands, .. } = self;
         let measured = Measured::Coordinates { q, qd };
@@ -120,9 +125,9 @@ impl<'a, const B: usize, const V: usize, const S: usize> Performance<'a, B, V, S
         for drive in rig.drives() {
             let servos = drive.servos.iter().map(|servo| usize::from(*servo));
             let share = servos.map(&share).fold(1.0, f32::min);
-            for freedom in &drive.freedoms {
+            for dof in &drive.dofs {
                 let class = drive.servos.first().and_then(|servo| class(drives.servos(), *servo));
-                if let Some(command) = commands.get_mut(usize::from(*freedom))
+                if let Some(command) = commands.get_mut(usize::from(*dof))
                     && class == Some(Class::Position)
                 {
                     command.feedforward_effort *= share;
@@ -133,28 +138,28 @@ impl<'a, const B: usize, const V: usize, const S: usize> Performance<'a, B, V, S
     }
 
     /// A tick without a goal: what carries the rig where it is (`q`) by its model, and `walls`. Friction is left to the
-    /// servos: it holds the rig where a hand has left it. O(freedoms).
+    /// servos: it holds the rig where a hand has left it. O(dofs).
     // Not within its caller, whose frame on the stack every other tick would pay for.
     #[inline(never)]
-    pub(super) fn carry<const C: usize>(
+    pub(super) fn carry<const COORDS: usize>(
         &mut self,
-        led: &Path<V, C>,
+        led: &Path<DOFS, COORDS>,
         (q, walls): (&[f32], &[f32]),
         conditions: &[Condition],
         share: impl Fn(usize) -> f32,
-        report: &mut [FreedomReport],
+        report: &mut [DofReport],
     ) -> Result<&[Option<ServoCommand>], NotFinite> {
         let tree = self.rig.tree();
-        let count = self.rig.freedoms().len();
-        let (mut positions, mut efforts) = ([0.0; V], [0.0; V]);
+        let count = self.rig.dofs().len();
+        let (mut positions, mut efforts) = ([0.0; DOFS], [0.0; DOFS]);
         led.positions(&mut positions);
         let efforts = efforts.get_mut(..count).unwrap_or_default();
         let mut states = JointStates::rest(tree);
-        let resting = [0.0; V];
+        let resting = [0.0; DOFS];
         let resting = resting.get(..count).unwrap_or_default();
         states.set_coordinates(tree, q, resting).map_err(|_| NotFinite)?;
-        let (mut motions, mut wrenches) = ([BodyMotion::default(); B], [Wrench::ZERO; B]);
-        let (bodies, at_rest) = (tree.bodies(), [Twist::ZERO; B]);
+        let (mut motions, mut wrenches) = ([BodyMotion::default(); BODIES], [Wrench::ZERO; BODIES]);
+        let (bodies, at_rest) = (tree.bodies(), [Twist::ZERO; BODIES]);
         let gravity = self.tracker.controller().gravity_m_s2();
         inverse_dynamics(
             bodies,
@@ -167,10 +172,8 @@ impl<'a, const B: usize, const V: usize, const S: usize> Performance<'a, B, V, S
         );
         let wrenches = wrenches.get(..bodies.len()).unwrap_or_default();
         tree.efforts(states.as_slice(), wrenches, efforts).map_err(|_| NotFinite)?;
-        for (index, (command, freedom)) in
-            self.commands.iter_mut().zip(self.rig.freedoms()).enumerate()
-        {
-            let weight = number(efforts, index).max(-freedom.effort).min(freedom.effort);
+        for (index, (command, dof)) in self.commands.iter_mut().zip(self.rig.dofs()).enumerate() {
+            let weight = number(efforts, index).max(-dof.effort).min(dof.effort);
             *command = DofCommand {
                 position: number(&positions, index),
                 feedforward_effort: weight,

@@ -5,21 +5,21 @@ use sinew_core::tracker::{Frame, FrameSource};
 /// The largest number that is taken, as in `sinew-core`'s coordinates.
 const LARGEST: f32 = 1e6;
 
-/// A state in a rig's coordinates: `C` at most, of `V` freedoms at most.
+/// A state in a rig's coordinates: `COORDS` at most, of `DOFS` dofs at most.
 #[derive(Debug, Clone)]
-pub(super) struct Pose<const V: usize, const C: usize> {
+pub(super) struct Pose<const DOFS: usize, const COORDS: usize> {
     coordinates: usize,
-    freedoms: usize,
-    q: [f32; C],
-    qd: [f32; V],
-    qdd: [f32; V],
+    dofs: usize,
+    q: [f32; COORDS],
+    qd: [f32; DOFS],
+    qdd: [f32; DOFS],
 }
 
-impl<const V: usize, const C: usize> Pose<V, C> {
+impl<const DOFS: usize, const COORDS: usize> Pose<DOFS, COORDS> {
     /// At zero. Counts beyond the capacities are held to them.
-    pub(super) fn new(coordinates: usize, freedoms: usize) -> Self {
-        let (coordinates, freedoms) = (coordinates.min(C), freedoms.min(V));
-        Self { coordinates, freedoms, q: [0.0; C], qd: [0.0; V], qdd: [0.0; V] }
+    pub(super) fn new(coordinates: usize, dofs: usize) -> Self {
+        let (coordinates, dofs) = (coordinates.min(COORDS), dofs.min(DOFS));
+        Self { coordinates, dofs, q: [0.0; COORDS], qd: [0.0; DOFS], qdd: [0.0; DOFS] }
     }
 
     pub(super) fn q(&self) -> &[f32] {
@@ -27,11 +27,11 @@ impl<const V: usize, const C: usize> Pose<V, C> {
     }
 
     pub(super) fn qd(&self) -> &[f32] {
-        self.qd.get(..self.freedoms).unwrap_or_default()
+        self.qd.get(..self.dofs).unwrap_or_default()
     }
 
     pub(super) fn qdd(&self) -> &[f32] {
-        self.qdd.get(..self.freedoms).unwrap_or_default()
+        self.qdd.get(..self.dofs).unwrap_or_default()
     }
 
     pub(super) fn q_mut(&mut self) -> &mut [f32] {
@@ -42,14 +42,14 @@ impl<const V: usize, const C: usize> Pose<V, C> {
     pub(super) fn all_mut(&mut self) -> [&mut [f32]; 3] {
         [
             self.q.get_mut(..self.coordinates).unwrap_or_default(),
-            self.qd.get_mut(..self.freedoms).unwrap_or_default(),
-            self.qdd.get_mut(..self.freedoms).unwrap_or_default(),
+            self.qd.get_mut(..self.dofs).unwrap_or_default(),
+            self.qdd.get_mut(..self.dofs).unwrap_or_default(),
         ]
     }
 
     /// At rest in the positions that are there.
     pub(super) fn rest(&mut self) {
-        (self.qd, self.qdd) = ([0.0; V], [0.0; V]);
+        (self.qd, self.qdd) = ([0.0; DOFS], [0.0; DOFS]);
     }
 
     /// Takes a frame of coordinates; says whether it was one of this rig.
@@ -71,7 +71,7 @@ impl<const V: usize, const C: usize> Pose<V, C> {
 }
 
 /// One pose, whatever the frame's number: the path has counted already.
-impl<const V: usize, const C: usize> FrameSource for &Pose<V, C> {
+impl<const DOFS: usize, const COORDS: usize> FrameSource for &Pose<DOFS, COORDS> {
     fn frame(&mut self, _: i32) -> Frame<'_> {
         Frame::Coordinates { q: self.q(), qd: self.qd(), qdd: self.qdd() }
     }

@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 use sinew_rig::board::BoardServo;
-use sinew_servo_bus::settings::Demand;
+use sinew_servo_bus::settings::ServoRequirements;
 use sinew_servo_bus::{Compared, Difference, ServoBus};
 
 use super::settings::ServoSetup;
@@ -11,8 +11,8 @@ use crate::supervisor::{RegisterDiffers, Registers};
 /// Compares servo after servo, again and again, as long as torque is off. When torque was on, and when a servo was
 /// silent, nothing is known any more: it may have started anew.
 #[derive(Debug, Default)]
-pub(super) struct Comparison<const S: usize> {
-    servos: Vec<Servo, S>,
+pub(super) struct Comparison<const SERVOS: usize> {
+    servos: Vec<Servo, SERVOS>,
     /// Which one the bus compares, or will.
     at: usize,
     is_asked: bool,
@@ -22,19 +22,19 @@ pub(super) struct Comparison<const S: usize> {
 
 #[derive(Debug)]
 struct Servo {
-    demand: Demand,
+    demand: ServoRequirements,
     found: Option<Compared>,
     was_silent: bool,
 }
 
-impl<const S: usize> Comparison<S> {
+impl<const SERVOS: usize> Comparison<SERVOS> {
     #[inline(never)]
     pub(super) fn new(servos: &[BoardServo], setups: &[ServoSetup]) -> Self {
         let demands = servos.iter().zip(setups).map(|(servo, setup)| setup.demand(&servo.servo));
         // Servos of a rig are counted: there is room.
         let servos = demands
             .map(|demand| Servo { demand, found: None, was_silent: false })
-            .take(S)
+            .take(SERVOS)
             .collect();
         Self { servos, at: 0, is_asked: false, is_begun: false }
     }

@@ -7,9 +7,9 @@ use crate::drives::Limit;
 use crate::supervisor::detect::Concern;
 use crate::supervisor::{Answer, FaultSet, GuardReason, Moving, Registers, Source, State};
 
-/// What became of a tick: of `V` freedoms and `S` servos at most.
+/// What became of a tick: of `DOFS` dofs and `SERVOS` servos at most.
 #[derive(Debug, Clone)]
-pub struct Report<const V: usize, const S: usize> {
+pub struct Report<const DOFS: usize, const SERVOS: usize> {
     /// The state.
     pub state: State,
     /// Where the pose comes from.
@@ -30,18 +30,18 @@ pub struct Report<const V: usize, const S: usize> {
     pub moving: Option<Moving>,
     /// How far the rig is from where it should be; none while torque is off.
     pub following: Option<Following>,
-    /// By freedom.
-    pub freedoms: Vec<FreedomReport, V>,
+    /// By dof.
+    pub dofs: Vec<DofReport, DOFS>,
     /// By servo.
-    pub servos: Vec<ServoReport, S>,
+    pub servos: Vec<ServoReport, SERVOS>,
     /// Ticks that took too long, since the start.
     pub overruns: u32,
 }
 
-impl<const V: usize, const S: usize> Report<V, S> {
+impl<const DOFS: usize, const SERVOS: usize> Report<DOFS, SERVOS> {
     /// Before the first tick.
     #[inline(never)]
-    pub(super) fn new(state: State, source: Source, freedoms: usize, servos: usize) -> Self {
+    pub(super) fn new(state: State, source: Source, dofs: usize, servos: usize) -> Self {
         Self {
             state,
             source,
@@ -53,14 +53,14 @@ impl<const V: usize, const S: usize> Report<V, S> {
             registers: Registers::Unread,
             moving: None,
             following: None,
-            freedoms: filled(freedoms, FreedomReport::default()),
+            dofs: filled(dofs, DofReport::default()),
             servos: filled(servos, ServoReport::NOTHING),
             overruns: 0,
         }
     }
 }
 
-/// How far measured freedoms are from what was commanded in the tick before, rad; of slides, m.
+/// How far measured dofs are from what was commanded in the tick before, rad; of slides, m.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Following {
@@ -68,14 +68,14 @@ pub struct Following {
     pub mean_rad: f32,
     /// The largest.
     pub most_rad: f32,
-    /// The freedom that has it.
-    pub freedom: u16,
+    /// The dof that has it.
+    pub dof: u16,
 }
 
-/// One freedom.
+/// One dof.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct FreedomReport {
+pub struct DofReport {
     /// Commanded less measured; rad or m.
     pub error: f32,
     /// What the tracker asked for, N m or N.

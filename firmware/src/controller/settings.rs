@@ -2,7 +2,7 @@
 
 use sinew_rig::servo::Servo;
 use sinew_servo_bus::Schedule;
-use sinew_servo_bus::settings::{Demand, Mode};
+use sinew_servo_bus::settings::{Mode, ServoRequirements};
 
 use crate::SettingError;
 use crate::drives::DriveSettings;
@@ -103,7 +103,7 @@ pub struct ServoSetup {
 
 impl ServoSetup {
     /// What this servo must hold in its registers: with anything else the rig is not armed.
-    pub fn demand(&self, servo: &Servo) -> Demand {
+    pub fn demand(&self, servo: &Servo) -> ServoRequirements {
         let servo = servo.settings();
         let (mode, encoder) = match &self.drive {
             DriveSettings::Current(own) => (Mode::Current, Some(own.encoder)),
@@ -111,7 +111,7 @@ impl ServoSetup {
             DriveSettings::Target(own) => (Mode::Position, own.encoder),
         };
         let zero_rad = encoder.unwrap_or_default().zero_rad;
-        Demand {
+        ServoRequirements {
             mode,
             range_rad: servo.range_rad.map(|own| own + zero_rad),
             torque_nm: servo.torque_nm,

@@ -4,8 +4,8 @@ use heapless::Vec;
 use sinew_rig::board::BoardRig;
 use sinew_servo_bus::{Effort, Health};
 
+use super::coordinates::number;
 use super::error::ControllerError;
-use super::part::number;
 use super::path::Path;
 use super::report::{Following as Error, ServoReport};
 use super::settings::{ControllerSettings, ServoSetup};
@@ -14,11 +14,11 @@ use crate::drives::{Condition, DriveSettings, Measured};
 use crate::supervisor::detect::{Derated, Following, Heat, Overrun, Silence, Supply, Winding};
 use crate::supervisor::{Fault, Findings, GuardSettings};
 
-/// Looks at every servo and freedom, once a tick.
+/// Looks at every servo and dof, once a tick.
 #[derive(Debug, Default)]
-pub(super) struct Watch<const V: usize, const S: usize> {
-    servos: Vec<Servo, S>,
-    freedoms: Vec<(Following, u16), V>,
+pub(super) struct Watch<const DOFS: usize, const SERVOS: usize> {
+    servos: Vec<Servo, SERVOS>,
+    dofs: Vec<(Following, u16), DOFS>,
     silence: Silence,
     pub(super) overrun: Overrun,
     stale_ticks: u32,
@@ -39,10 +39,10 @@ struct Servo {
     derated: Derated,
 }
 
-impl<const V: usize, const S: usize> Watch<V, S> {
+impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
     #[inline(never)]
-    pub(super) fn new<const B: usize>(
-        rig: &BoardRig<B, V, S>,
+    pub(super) fn new<const BODIES: usize>(
+        rig: &BoardRig<BODIES, DOFS, SERVOS>,
         settings: &ControllerSettings,
         setups: &[ServoSetup],
         dt_s: f32,
@@ -69,13 +69,13 @@ impl<const V: usize, const S: usize> Watch<V, S> {
                 derated: Derated::FULL,
             });
         }
-        let mut freedoms: Vec<(Following, u16), V> = Vec::new();
-        let _ = freedoms
-            .resize(rig.freedoms().len(), (Following::new(settings.following, dt_s)?, u16::MAX));
+        let mut dofs: Vec<(Following, u16), DOFS> = Vec::new();
+        let _ =
+            dofs.resize(rig.dofs().len(), (Following::new(settings.following, dt_s)?, u16::MAX));
         for drive in rig.drives() {
-            for freedom in &drive.freedoms {
+            for dof in &drive.dofs {
                 if let (Some((_, of)), Some(servo)) =
-                    (freedoms.get_mut(usize::from(*freedom)), drive.servos.first())
+                    (dofs.get_mut(usize::from(*dof)), drive.servos.first())
                 {
                     *of = *servo;
                 }
@@ -85,7 +85,7 @@ impl<const V: usize, const S: usize> Watch<V, S> {
         let ticks = |seconds: f32| (seconds / dt_s + 1e-3) as u32;
         Ok(Self {
             servos,
-            freedoms,
+            dofs,
             silence: settings.silence,
             overrun: Overrun::new(settings.overrun)?,
             stale_ticks: ticks(settings.stale_s),
@@ -97,7 +97,7 @@ impl<const V: usize, const S: usize> Watch<V, S> {
 
     /// The rig is armed: nothing was off until now.
     pub(super) fn begin(&mut self) {
-        self.freedoms.iter_mut().for_each(|(following, _)| following.begin());
+        self.dofs.iter_mut().for_each(|(following, _)| following.begin());
     }
 
     /// What part of its effort a servo may give.
@@ -191,21 +191,20 @@ impl<const V: usize, const S: usize> Watch<V, S> {
     }
 
     /// A joint beyond its range: of its first servo.
-    pub(super) fn range<const C: usize>(
+    pub(super) fn range<const COORDS: usize>(
         &self,
-        path: &Path<V, C>,
+        path: &Path<DOFS, COORDS>,
         q: &[f32],
         findings: &mut Findings,
     ) {
-        if let Some((_, servo)) =
-            path.beyond(q, self.beyond_rad).and_then(|freedom| self.freedoms.get(freedom))
+        if let Some((_, servo)) = path.beyond(q, self.beyond_rad).and_then(|dof| self.dofs.get(dof))
         {
             findings.note_of(Fault::Range, *servo);
         }
     }
 
-    /// How far the measured freedoms are from what was commanded. `is_held`: they have all their effort to be there.
-    pub(super) fn freedoms(
+    /// How far the measured dofs are from what was commanded. `is_held`: they have all their effort to be there.
+    pub(super) fn dofs(
         &mut self,
         errors: &[f32],
         measured: &[Option<Measured>],
@@ -214,7 +213,7 @@ impl<const V: usize, const S: usize> Watch<V, S> {
     ) -> Error {
         let (mut error, mut sum, mut count) = (Error::default(), 0.0, 0.0);
         for (index, ((following, servo), measured)) in
-            self.freedoms.iter_mut().zip(measured).enumerate()
+            self.dofs.iter_mut().zip(measured).enumerate()
         {
             if measured.is_none() {
                 continue;
@@ -223,7 +222,7 @@ impl<const V: usize, const S: usize> Watch<V, S> {
             (sum, count) = (sum + off.abs(), count + 1.0);
             if off.abs() > error.most_rad {
                 error.most_rad = off.abs();
-                error.freedom = u16::try_from(index).unwrap_or(u16::MAX);
+                error.dof = u16::try_from(index).unwrap_or(u16::MAX);
             }
             if is_held {
                 if let Some(fault) = following.step(off) {

@@ -40,7 +40,7 @@ pub struct CurrentDrive {
 
 impl CurrentDrive {
     /// At one tick of latency, which a bus takes: what the tracker's recommended setting bears, see
-    /// [`LATE_MOST_S`](sinew_core::tracker::LATE_MOST_S).
+    /// [`MAX_DELAY_S`](sinew_core::tracker::MAX_DELAY_S).
     pub const LEAST_HZ: f32 = 200.0;
 
     /// A drive of a servo. `timing`: the tracker's. What is read in one tick acts in the next, so its latency is at

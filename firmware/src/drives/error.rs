@@ -118,7 +118,7 @@ impl core::error::Error for SetupError {}
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum InputError {
-    /// There is not one of these for each freedom or servo.
+    /// There is not one of these for each dof or servo.
     Count {
         /// Of what.
         what: &'static str,
@@ -131,7 +131,7 @@ pub enum InputError {
     Number {
         /// What it is.
         what: &'static str,
-        /// Index of the freedom or servo.
+        /// Index of the dof or servo.
         index: usize,
         /// The number.
         found: f32,

@@ -89,13 +89,13 @@ impl Follower {
     /// A tick: where to be at its end, rad, and what limited it.
     pub(crate) fn step(&mut self, target_rad: f32, velocity_rad_s: f32) -> (f32, Option<Limit>) {
         let ([least, most], dt_s) = (self.range_rad, self.dt_s);
-        let mut goal = Held { value: target_rad, limit: None };
+        let mut goal = Clamped { value: target_rad, limit: None };
         goal.within([least, most], Limit::Range);
         let moves_rad_s = if goal.limit.is_some() { 0.0 } else { velocity_rad_s };
         // Relative to the target, which moves on.
         let way_rad = goal.value - (self.position_rad + moves_rad_s * dt_s);
         let brakes = self.brakes(way_rad.abs());
-        let mut speed = Held { value: way_rad / dt_s, limit: goal.limit };
+        let mut speed = Clamped { value: way_rad / dt_s, limit: goal.limit };
         speed.within([-brakes, brakes], Limit::Acceleration);
         speed.value += moves_rad_s;
         speed.within([-self.speed_rad_s, self.speed_rad_s], Limit::Speed);
@@ -138,12 +138,12 @@ impl Follower {
 }
 
 /// A value, and what held it last.
-struct Held {
+struct Clamped {
     value: f32,
     limit: Option<Limit>,
 }
 
-impl Held {
+impl Clamped {
     fn within(&mut self, [least, most]: [f32; 2], limit: Limit) {
         let held = self.value.max(least).min(most);
         if (held - self.value).abs() > 0.0 {

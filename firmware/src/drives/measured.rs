@@ -6,7 +6,7 @@ use sinew_servo_bus::Effort;
 
 use super::{Condition, Drives, InputError};
 
-/// What is measured of one freedom.
+/// What is measured of one dof.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
     /// rad or m; of a ball joint a component of the rotation vector.
@@ -19,8 +19,8 @@ pub struct Measured {
     pub age_ticks: u32,
 }
 
-impl<const B: usize, const V: usize, const S: usize> Drives<'_, B, V, S> {
-    /// What is measured of each freedom; none where a servo of its drive was never read, or nothing drives it.
+impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> Drives<'_, BODIES, DOFS, SERVOS> {
+    /// What is measured of each dof; none where a servo of its drive was never read, or nothing drives it.
     ///
     /// # Errors
     /// [`InputError`] as of [`Self::step`].
@@ -30,7 +30,7 @@ impl<const B: usize, const V: usize, const S: usize> Drives<'_, B, V, S> {
         out: &mut [Option<Measured>],
     ) -> Result<(), InputError> {
         Condition::check_all(self.servos.len(), conditions)?;
-        InputError::check_count("freedoms out", self.rig.freedoms().len(), out.len())?;
+        InputError::check_count("dofs out", self.rig.dofs().len(), out.len())?;
         out.fill(None);
         for (index, drive) in self.rig.drives().iter().enumerate() {
             let Some(shafts) = self.shafts(drive, conditions) else { continue };
@@ -83,9 +83,9 @@ impl Shafts {
         let velocities = pose.joint_velocities(&self.velocities)?;
         let efforts =
             self.torques.as_ref().map(|torques| pose.joint_efforts(torques)).transpose()?;
-        for (place, freedom) in drive.freedoms.iter().enumerate().take(MOST) {
+        for (place, dof) in drive.dofs.iter().enumerate().take(MOST) {
             let at = |numbers: &[f32]| numbers.get(place).copied().unwrap_or(0.0);
-            if let Some(out) = out.get_mut(usize::from(*freedom)) {
+            if let Some(out) = out.get_mut(usize::from(*dof)) {
                 *out = Some(Measured {
                     position: at(pose.joints()),
                     velocity: at(&velocities),

@@ -2,8 +2,8 @@
 //! joints.
 //!
 //! ```text
-//! DofCommand of each freedom ── rig's drive (matrix, curve, four-bar) ──> ShaftTarget of each servo ─ class ─> Command
-//! Measured   of each freedom <── the same drive, by virtual work ──────── Feedback of each servo
+//! DofCommand of each dof ── rig's drive (matrix, curve, four-bar) ──> ShaftTarget of each servo ─ class ─> Command
+//! Measured   of each dof <── the same drive, by virtual work ──────── Feedback of each servo
 //! ```
 //!
 //! | class | for | takes | method | least rate |

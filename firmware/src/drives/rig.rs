@@ -11,25 +11,27 @@ use super::{
     Condition, DriveSettings, InputError, Limit, ServoCommand, ServoDrive, SetupError, ShaftTarget,
 };
 
-/// The drives of a rig: efforts and targets of its freedoms to commands of its servos, and readings back.
+/// The drives of a rig: efforts and targets of its dofs to commands of its servos, and readings back.
 ///
 /// Targets of joints that turn come in [-π, π]. They are unwrapped: next to the middle of the joint's range, or, of a
 /// joint without one, next to the last target.
 #[derive(Debug, Clone)]
-pub struct Drives<'r, const B: usize, const V: usize, const S: usize> {
-    pub(super) rig: &'r BoardRig<B, V, S>,
-    pub(super) servos: Vec<ServoDrive, S>,
-    turns: Vec<Turn, V>,
+pub struct Drives<'r, const BODIES: usize, const DOFS: usize, const SERVOS: usize> {
+    pub(super) rig: &'r BoardRig<BODIES, DOFS, SERVOS>,
+    pub(super) servos: Vec<ServoDrive, SERVOS>,
+    turns: Vec<Turn, DOFS>,
 }
 
-impl<'r, const B: usize, const V: usize, const S: usize> Drives<'r, B, V, S> {
+impl<'r, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
+    Drives<'r, BODIES, DOFS, SERVOS>
+{
     /// Drives of a rig; `settings`: of each servo, in the rig's order. `timing`: the tracker's, see
     /// [`CurrentDrive::new`](super::CurrentDrive::new).
     ///
     /// # Errors
     /// [`SetupError`] names the servo or the drive, and what is wrong with it.
     pub fn new(
-        rig: &'r BoardRig<B, V, S>,
+        rig: &'r BoardRig<BODIES, DOFS, SERVOS>,
         settings: &[DriveSettings],
         timing: Timing,
     ) -> Result<Self, SetupError> {
@@ -39,7 +41,7 @@ impl<'r, const B: usize, const V: usize, const S: usize> Drives<'r, B, V, S> {
     }
 
     /// Without settings: no servos.
-    pub(crate) fn blank(rig: &'r BoardRig<B, V, S>) -> Self {
+    pub(crate) fn blank(rig: &'r BoardRig<BODIES, DOFS, SERVOS>) -> Self {
         Self { rig, servos: Vec::new(), turns: Vec::new() }
     }
 
@@ -92,10 +94,10 @@ impl<'r, const B: usize, const V: usize, const S: usize> Drives<'r, B, V, S> {
     fn begin_at_home(&mut self) {
         for drive in self.rig.drives() {
             let mut homes = Numbers::new();
-            for freedom in &drive.freedoms {
-                let home = self.rig.freedoms().get(usize::from(*freedom));
-                // Freedoms and servos of a drive are counted: there is room.
-                let _ = homes.push(home.map_or(0.0, |freedom| freedom.home));
+            for dof in &drive.dofs {
+                let home = self.rig.dofs().get(usize::from(*dof));
+                // Dofs and servos of a drive are counted: there is room.
+                let _ = homes.push(home.map_or(0.0, |dof| dof.home));
             }
             let Ok(home) = drive.drive.at_joints(&homes) else { continue };
             for (index, shaft_rad) in drive.servos.iter().zip(home.servos()) {
@@ -120,23 +122,23 @@ impl<'r, const B: usize, const V: usize, const S: usize> Drives<'r, B, V, S> {
             if drive.servos.iter().any(|servo| read(usize::from(*servo)).is_none()) {
                 continue;
             }
-            for freedom in &drive.freedoms {
-                let index = usize::from(*freedom);
-                if let (Some(Turn::Last(last)), Some(freedom)) =
-                    (self.turns.get_mut(index), self.rig.freedoms().get(index))
+            for dof in &drive.dofs {
+                let index = usize::from(*dof);
+                if let (Some(Turn::Last(last)), Some(dof)) =
+                    (self.turns.get_mut(index), self.rig.dofs().get(index))
                 {
-                    *last = freedom.home;
+                    *last = dof.home;
                 }
             }
         }
     }
 
-    /// A tick: what each servo is commanded; none where no drive moves it. `commands`: of each freedom; `conditions`:
+    /// A tick: what each servo is commanded; none where no drive moves it. `commands`: of each dof; `conditions`:
     /// of each servo. O(servos).
     ///
     /// # Errors
     /// [`InputError`], and nothing is taken: a number is NaN, infinite or above 1e6 in size, or there is not one for
-    /// each freedom or servo.
+    /// each dof or servo.
     pub fn step(
         &mut self,
         commands: &[DofCommand],
@@ -145,7 +147,7 @@ impl<'r, const B: usize, const V: usize, const S: usize> Drives<'r, B, V, S> {
     ) -> Result<(), InputError> {
         self.check(commands, conditions)?;
         InputError::check_count("commands out", self.servos.len(), out.len())?;
-        let mut targets: Vec<Option<(ShaftTarget, Option<Limit>)>, S> = Vec::new();
+        let mut targets: Vec<Option<(ShaftTarget, Option<Limit>)>, SERVOS> = Vec::new();
         // There is room: servos are counted.
         let _ = targets.resize(self.servos.len(), None);
         let mut turns = self.turns.clone();
@@ -166,14 +168,14 @@ impl<'r, const B: usize, const V: usize, const S: usize> Drives<'r, B, V, S> {
     }
 
     fn check(&self, commands: &[DofCommand], conditions: &[Condition]) -> Result<(), InputError> {
-        InputError::check_count("commands", self.rig.freedoms().len(), commands.len())?;
+        InputError::check_count("commands", self.rig.dofs().len(), commands.len())?;
         Condition::check_all(self.servos.len(), conditions)?;
         for (index, command) in commands.iter().enumerate() {
             for (what, found) in [
-                ("position of freedom", command.position),
-                ("velocity of freedom", command.velocity),
-                ("feed-forward effort of freedom", command.feedforward_effort),
-                ("feedback effort of freedom", command.feedback_effort),
+                ("position of dof", command.position),
+                ("velocity of dof", command.velocity),
+                ("feed-forward effort of dof", command.feedforward_effort),
+                ("feedback effort of dof", command.feedback_effort),
             ] {
                 InputError::check_number(what, index, found)?;
             }
@@ -192,8 +194,8 @@ impl<'r, const B: usize, const V: usize, const S: usize> Drives<'r, B, V, S> {
         targets: &mut [Option<(ShaftTarget, Option<Limit>)>],
     ) -> Result<(), DriveInputError> {
         let mut numbers: [Numbers; 4] = Default::default();
-        for freedom in &drive.freedoms {
-            let index = usize::from(*freedom);
+        for dof in &drive.dofs {
+            let index = usize::from(*dof);
             let command = commands.get(index).copied().unwrap_or_default();
             let position = turns
                 .get_mut(index)
@@ -201,7 +203,7 @@ impl<'r, const B: usize, const V: usize, const S: usize> Drives<'r, B, V, S> {
             let parts =
                 [position, command.velocity, command.feedforward_effort, command.feedback_effort];
             for (all, part) in numbers.iter_mut().zip(parts) {
-                // There is room: freedoms are counted.
+                // There is room: dofs are counted.
                 let _ = all.push(part);
             }
         }

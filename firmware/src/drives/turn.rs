@@ -5,7 +5,7 @@ use sinew_core::JointKind;
 use sinew_core::coordinates::nearest_turn;
 use sinew_rig::board::BoardRig;
 
-/// How the target of a freedom is unwrapped.
+/// How the target of a dof is unwrapped.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Turn {
     /// It is no angle, or one of three that belong together.
@@ -30,23 +30,23 @@ impl Turn {
     }
 }
 
-/// Of each freedom of a rig.
-pub(super) fn turns<const B: usize, const V: usize, const S: usize>(
-    rig: &BoardRig<B, V, S>,
-) -> Vec<Turn, V> {
+/// Of each dof of a rig.
+pub(super) fn turns<const BODIES: usize, const DOFS: usize, const SERVOS: usize>(
+    rig: &BoardRig<BODIES, DOFS, SERVOS>,
+) -> Vec<Turn, DOFS> {
     let mut turns = Vec::new();
-    let mut freedoms = rig.freedoms().iter();
+    let mut dofs = rig.dofs().iter();
     for body in rig.tree().bodies() {
         let is_angle =
             matches!(body.joint, JointKind::Revolute { .. } | JointKind::Universal { .. });
-        for freedom in freedoms.by_ref().take(body.joint.degrees_of_freedom()) {
-            let [least, most] = freedom.range;
+        for dof in dofs.by_ref().take(body.joint.dof_count()) {
+            let [least, most] = dof.range;
             let middle = 0.5 * (least + most);
-            // There is room: one for each freedom.
+            // There is room: one for each dof.
             let _ = turns.push(match (is_angle, middle.is_finite()) {
                 (false, _) => Turn::Not,
                 (true, true) => Turn::Middle(middle),
-                (true, false) => Turn::Last(freedom.home),
+                (true, false) => Turn::Last(dof.home),
             });
         }
     }

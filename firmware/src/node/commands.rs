@@ -6,11 +6,11 @@ use sinew_link::message::{
 };
 use sinew_link::rate::{RigSize, telemetry_hz};
 
+use super::background_task::BackgroundTask;
 use super::board::Port;
-use super::desk::Desk;
-use super::mail::{Mail, Order, Said, Shared, Ticket};
+use super::mail::{CommandId, LoopReply, LoopRequest, Mail, Shared};
 use super::service::cycles;
-use super::words;
+use super::text;
 use crate::supervisor::{self, Fault};
 
 /// What is done when the loop has answered.
@@ -22,19 +22,25 @@ pub(super) enum Wait {
     Service,
 }
 
-impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: usize>
-    Desk<'a, F, B, V, S, C>
+impl<
+    'a,
+    F: NorFlash,
+    const BODIES: usize,
+    const DOFS: usize,
+    const SERVOS: usize,
+    const COORDS: usize,
+> BackgroundTask<'a, F, BODIES, DOFS, SERVOS, COORDS>
 {
     /// Carries a command out, or gives it to the loop: then its answer comes later.
     #[inline(never)]
     pub(super) fn execute(
         &mut self,
         command: Command,
-        ticket: Ticket,
+        ticket: CommandId,
         port: &mut impl Port<'a>,
-        mail: &impl Shared<Mail<'a, V, S, C>>,
+        mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) -> Option<Outcome> {
-        if let Some(order) = words::command(&command) {
+        if let Some(order) = text::command(&command) {
             return self.order(order, ticket, mail);
         }
         let result = match command {
@@ -49,14 +55,14 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
                 let state = mail.with(|mail| mail.state);
                 if !state.is_on() {
                     return self.give(
-                        Order::Show(None),
+                        LoopRequest::Show(None),
                         ticket,
                         Wait::Unload { slot: slot.into() },
                         mail,
                     );
                 }
                 // It may play.
-                Err(Refusal::State(words::state(state)))
+                Err(Refusal::State(text::state(state)))
             }
             Command::DeleteShow { slot } => self.delete(slot.into(), mail),
             Command::SetTelemetry(setting) => return Some(self.set_telemetry(setting)),
@@ -68,9 +74,9 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
             Command::UploadBlock(block) => self.block(&block, mail),
             Command::EndUpload => self.end(port, mail),
             Command::PassOn(Pass { wait_us, .. }) if wait_us > PASS_WAIT_US => Err(Refusal::Value),
-            Command::PassOn(pass) => return self.serve(Order::Pass(pass), ticket, mail),
+            Command::PassOn(pass) => return self.serve(LoopRequest::Pass(pass), ticket, mail),
             Command::ReadPassed { offset } => mail.with(|mail| mail.of_servos(offset)),
-            Command::ReadHealth => return self.serve(Order::Health, ticket, mail),
+            Command::ReadHealth => return self.serve(LoopRequest::Health, ticket, mail),
             // The supervisor's were given to it.
             _ => Err(Refusal::Unsupported),
         };
@@ -82,12 +88,12 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
     fn load(
         &mut self,
         slot: usize,
-        ticket: Ticket,
+        ticket: CommandId,
         port: &mut impl Port<'a>,
-        mail: &impl Shared<Mail<'a, V, S, C>>,
+        mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) -> Option<Outcome> {
         match self.open(slot, port) {
-            Ok(show) => self.give(Order::Show(Some(show)), ticket, Wait::Load { slot }, mail),
+            Ok(show) => self.give(LoopRequest::Show(Some(show)), ticket, Wait::Load { slot }, mail),
             Err(refusal) => Some(Outcome::Refused(refusal)),
         }
     }
@@ -96,8 +102,8 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
     fn order(
         &mut self,
         order: supervisor::Command,
-        ticket: Ticket,
-        mail: &impl Shared<Mail<'a, V, S, C>>,
+        ticket: CommandId,
+        mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) -> Option<Outcome> {
         if self.setup.rig.is_none() {
             // There is no loop, and no torque.
@@ -107,15 +113,15 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
             mail.with(|mail| mail.stop = Some(ticket));
             return None;
         }
-        self.give(Order::Supervise(order), ticket, Wait::Supervisor, mail)
+        self.give(LoopRequest::Supervise(order), ticket, Wait::Supervisor, mail)
     }
 
     /// For the loop behind its tick.
     fn serve(
         &mut self,
-        order: Order<'a, C>,
-        ticket: Ticket,
-        mail: &impl Shared<Mail<'a, V, S, C>>,
+        order: LoopRequest<'a, COORDS>,
+        ticket: CommandId,
+        mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) -> Option<Outcome> {
         if self.setup.rig.is_none() {
             // There is no loop.
@@ -127,10 +133,10 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
     /// Gives an order to the loop, if it has none.
     fn give(
         &mut self,
-        order: Order<'a, C>,
-        ticket: Ticket,
+        order: LoopRequest<'a, COORDS>,
+        ticket: CommandId,
         wait: Wait,
-        mail: &impl Shared<Mail<'a, V, S, C>>,
+        mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) -> Option<Outcome> {
         if self.waiting.is_some() {
             return Some(Outcome::Refused(Refusal::Busy));
@@ -143,32 +149,34 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
     /// The loop has answered.
     pub(super) fn said(
         &mut self,
-        ticket: Ticket,
-        said: Said,
-        mail: &impl Shared<Mail<'a, V, S, C>>,
+        ticket: CommandId,
+        said: LoopReply,
+        mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) {
         // An emergency stop is not waited for.
         let wait = self.waiting.take_if(|(of, _)| *of == ticket).map(|(_, wait)| wait);
         let outcome = match (said, wait) {
-            (Said::Supervised(Ok(state)), _) => {
-                Outcome::Applied(Applied::State(words::state(state)))
+            (LoopReply::Supervised(Ok(state)), _) => {
+                Outcome::Applied(Applied::State(text::state(state)))
             }
-            (Said::Supervised(Err(why)), _) => Outcome::Refused(words::refused(why)),
-            (Said::Busy, _) => Outcome::Refused(Refusal::Busy),
-            (Said::Shown, Some(Wait::Load { slot })) => {
+            (LoopReply::Supervised(Err(why)), _) => Outcome::Refused(text::refused(why)),
+            (LoopReply::Busy, _) => Outcome::Refused(Refusal::Busy),
+            (LoopReply::Shown, Some(Wait::Load { slot })) => {
                 self.lent = Some(slot);
                 Outcome::Applied(Applied::Done)
             }
-            (Said::Shown, Some(Wait::Unload { slot })) => {
+            (LoopReply::Shown, Some(Wait::Unload { slot })) => {
                 self.lent = None;
                 outcome(self.delete(slot, mail))
             }
-            (Said::Shown, _) => Outcome::Applied(Applied::Done),
-            (Said::Passed, _) => outcome(mail.with(|mail| mail.of_servos(0))),
-            (Said::NotPassed(state), _) => Outcome::Refused(Refusal::State(words::state(state))),
-            (Said::NoLine, _) => Outcome::Refused(Refusal::Unsupported),
-            (Said::TooLong, _) => Outcome::Refused(Refusal::Value),
-            (Said::Measured, _) => {
+            (LoopReply::Shown, _) => Outcome::Applied(Applied::Done),
+            (LoopReply::Passed, _) => outcome(mail.with(|mail| mail.of_servos(0))),
+            (LoopReply::NotPassed(state), _) => {
+                Outcome::Refused(Refusal::State(text::state(state)))
+            }
+            (LoopReply::NoLine, _) => Outcome::Refused(Refusal::Unsupported),
+            (LoopReply::TooLong, _) => Outcome::Refused(Refusal::Value),
+            (LoopReply::Measured, _) => {
                 let link = cycles(core::mem::take(&mut self.steps).read());
                 let health = mail.with(|mail| mail.health);
                 Outcome::Applied(Applied::Health(Health { link, ..health }))
@@ -180,7 +188,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
     fn set_telemetry(&mut self, setting: TelemetrySetting) -> Outcome {
         let size = self.setup.rig.map(|(rig, _)| RigSize {
             coordinates: rig.tree().coordinate_count(),
-            dofs: rig.freedoms().len(),
+            dofs: rig.dofs().len(),
             servos: rig.servos().len(),
         });
         let Some(size) = size else {

@@ -9,13 +9,13 @@ use sinew_storage::Disarmed;
 
 use super::board::Safety;
 use super::live::Live;
-use super::mail::{Mail, Order, Said, Shared, Tick, Ticket};
-use super::service::{Asked, Lowest};
+use super::mail::{CommandId, LoopReply, LoopRequest, Mail, Shared, Tick};
+use super::service::{MinSupply, ServiceRequest};
 use super::settings::NodeSettings;
 use super::snapshot::{self, Times};
 use super::timing::Timing;
 use crate::controller::{
-    Controller, ControllerError, Incomplete, Inputs, Jog, ServoSetup, Start, Wire, exchange,
+    ControllerError, Incomplete, Inputs, Jog, MotionController, ServoSetup, Start, Wire, exchange,
 };
 use crate::supervisor::{Command, Fault, FaultLog, FaultSet, LOGGED};
 
@@ -42,19 +42,25 @@ impl core::error::Error for ControlError {}
 
 /// The loop of a node. It has a context of its own, which nothing but the bus may interrupt.
 #[derive(Debug)]
-pub struct Control<'a, const B: usize, const V: usize, const S: usize, const C: usize> {
-    rig: &'a BoardRig<B, V, S>,
-    pub(super) controller: Controller<'a, B, V, S, C>,
+pub struct ControlLoop<
+    'a,
+    const BODIES: usize,
+    const DOFS: usize,
+    const SERVOS: usize,
+    const COORDS: usize,
+> {
+    rig: &'a BoardRig<BODIES, DOFS, SERVOS>,
+    pub(super) controller: MotionController<'a, BODIES, DOFS, SERVOS, COORDS>,
     /// None of a blank one.
-    live: Option<Live<C>>,
+    live: Option<Live<COORDS>>,
     /// Here while torque may be on.
     disarmed: Option<Disarmed>,
     /// The command that this tick carries out.
-    asked: Option<Ticket>,
-    busy: Option<Ticket>,
+    asked: Option<CommandId>,
+    busy: Option<CommandId>,
     /// What is done behind this tick.
-    pub(super) service: Option<(Ticket, Asked)>,
-    pub(super) supply: Lowest,
+    pub(super) service: Option<(CommandId, ServiceRequest)>,
+    pub(super) supply: MinSupply,
     jog: Option<(Jog, u64)>,
     /// Faults that were handed down.
     told: FaultLog<LOGGED>,
@@ -64,13 +70,15 @@ pub struct Control<'a, const B: usize, const V: usize, const S: usize, const C: 
     wants_snapshot: bool,
 }
 
-impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control<'a, B, V, S, C> {
+impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COORDS: usize>
+    ControlLoop<'a, BODIES, DOFS, SERVOS, COORDS>
+{
     /// The loop of a rig, with a [controller](Controller::new) of these settings, servos and schedule.
     ///
     /// # Errors
     /// [`ControlError`] says in words what does not fit.
     pub fn new(
-        rig: &'a BoardRig<B, V, S>,
+        rig: &'a BoardRig<BODIES, DOFS, SERVOS>,
         settings: &NodeSettings,
         servos: &[ServoSetup],
         schedule: &Schedule,
@@ -84,7 +92,7 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control
     /// The same on the stack, where it stays while `act` has it. A loop is half of what a board has in RAM: one that is
     /// handed up as a result is moved, and the board has no room for two.
     pub fn with<R>(
-        rig: &'a BoardRig<B, V, S>,
+        rig: &'a BoardRig<BODIES, DOFS, SERVOS>,
         settings: &NodeSettings,
         servos: &[ServoSetup],
         schedule: &Schedule,
@@ -99,17 +107,17 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control
     /// Of a rig, but without settings and servos. Nobody outside sees one.
     // Not within its caller, as all that makes a large part: the compiler then makes it in its place.
     #[inline(never)]
-    fn blank(rig: &'a BoardRig<B, V, S>) -> Self {
+    fn blank(rig: &'a BoardRig<BODIES, DOFS, SERVOS>) -> Self {
         Self {
             rig,
             told: FaultLog::default(),
-            controller: Controller::blank(rig),
+            controller: MotionController::blank(rig),
             live: None,
             disarmed: None,
             asked: None,
             busy: None,
             service: None,
-            supply: Lowest::default(),
+            supply: MinSupply::default(),
             jog: None,
             show_hz: None,
             times: Times::default(),
@@ -141,7 +149,7 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control
     }
 
     /// The controller.
-    pub fn controller(&self) -> &Controller<'a, B, V, S, C> {
+    pub fn controller(&self) -> &MotionController<'a, BODIES, DOFS, SERVOS, COORDS> {
         &self.controller
     }
 
@@ -152,14 +160,14 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control
 
     /// A tick: orders in, one exchange on the bus, answers out. The watchdog is fed if, and only if, it was whole.
     /// Behind it a host may talk to servos, if torque is off: that makes the tick longer.
-    /// `out`: room for the longest packets. O(freedoms).
+    /// `out`: room for the longest packets. O(dofs).
     ///
     /// # Errors
     /// [`Incomplete`] says why the watchdog was not fed.
     pub fn tick(
         &mut self,
         board: &mut impl Safety,
-        mail: &impl Shared<Mail<'a, V, S, C>>,
+        mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
         bus: &mut impl ServoBus,
         wire: &mut impl Wire,
         out: &mut [u8],
@@ -188,7 +196,7 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control
         ended
     }
 
-    fn take(&mut self, mail: &mut Mail<'a, V, S, C>, now_us: u64) -> Inputs {
+    fn take(&mut self, mail: &mut Mail<'a, DOFS, SERVOS, COORDS>, now_us: u64) -> Inputs {
         while let Some(frame) = mail.live.pop_front() {
             if let Some(live) = &mut self.live {
                 live.push(&frame, now_us);
@@ -210,13 +218,13 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control
     }
 
     /// One command a tick; an emergency stop before all others.
-    fn command(&mut self, mail: &mut Mail<'a, V, S, C>) -> Option<Command> {
+    fn command(&mut self, mail: &mut Mail<'a, DOFS, SERVOS, COORDS>) -> Option<Command> {
         if let Some(ticket) = mail.stop.take() {
             self.asked = Some(ticket);
             return Some(Command::EStop);
         }
         match mail.order.take() {
-            Some((ticket, Order::Supervise(command))) => {
+            Some((ticket, LoopRequest::Supervise(command))) => {
                 // Nothing else leads to torque.
                 if command == Command::Arm && self.disarmed.is_none() {
                     self.disarmed = mail.disarmed.take();
@@ -228,19 +236,19 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control
                 self.asked = Some(ticket);
                 Some(command)
             }
-            Some((ticket, Order::Show(show))) => {
+            Some((ticket, LoopRequest::Show(show))) => {
                 self.show_hz = show.as_ref().map(|show| show.show().rate().hz());
                 self.controller.put_show(show);
                 // There is room: one command is under way, and a stop.
-                let _ = mail.answers.push_back((ticket, Said::Shown));
+                let _ = mail.answers.push_back((ticket, LoopReply::Shown));
                 None
             }
-            Some((ticket, Order::Pass(pass))) => {
-                self.service = Some((ticket, Asked::Pass(pass)));
+            Some((ticket, LoopRequest::Pass(pass))) => {
+                self.service = Some((ticket, ServiceRequest::Pass(pass)));
                 None
             }
-            Some((ticket, Order::Health)) => {
-                self.service = Some((ticket, Asked::Health));
+            Some((ticket, LoopRequest::Health)) => {
+                self.service = Some((ticket, ServiceRequest::Health));
                 None
             }
             None => mail.enable.take().map(Command::Enable),
@@ -248,7 +256,7 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control
     }
 
     /// What this tick has found and commanded, if somebody asked.
-    fn snapshot(&mut self, board: &impl Safety) -> Option<Tick<V, S, C>> {
+    fn snapshot(&mut self, board: &impl Safety) -> Option<Tick<DOFS, SERVOS, COORDS>> {
         if !core::mem::take(&mut self.wants_snapshot) {
             return None;
         }
@@ -260,7 +268,11 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control
         Some(snapshot::of(&self.controller, self.rig, &more))
     }
 
-    fn put(&mut self, mail: &mut Mail<'a, V, S, C>, snapshot: Option<Tick<V, S, C>>) {
+    fn put(
+        &mut self,
+        mail: &mut Mail<'a, DOFS, SERVOS, COORDS>,
+        snapshot: Option<Tick<DOFS, SERVOS, COORDS>>,
+    ) {
         let report = self.controller.report();
         mail.state = report.state;
         if !report.state.is_on()
@@ -269,10 +281,10 @@ impl<'a, const B: usize, const V: usize, const S: usize, const C: usize> Control
             mail.disarmed = Some(disarmed);
         }
         if let (Some(ticket), Some(answer)) = (self.asked.take(), report.answer) {
-            let _ = mail.answers.push_back((ticket, Said::Supervised(answer)));
+            let _ = mail.answers.push_back((ticket, LoopReply::Supervised(answer)));
         }
         if let Some(ticket) = self.busy.take() {
-            let _ = mail.answers.push_back((ticket, Said::Busy));
+            let _ = mail.answers.push_back((ticket, LoopReply::Busy));
         }
         let log = self.controller.supervisor().log();
         if *log != self.told {

@@ -4,22 +4,28 @@ use embedded_storage::nor_flash::NorFlash;
 use sinew_link::message::ToHost;
 use sinew_storage::Error;
 
-use super::desk::Desk;
+use super::background_task::BackgroundTask;
 use super::mail::{Mail, Shared};
-use super::words;
+use super::text;
 use crate::supervisor::FaultNews;
 
-impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: usize>
-    Desk<'a, F, B, V, S, C>
+impl<
+    'a,
+    F: NorFlash,
+    const BODIES: usize,
+    const DOFS: usize,
+    const SERVOS: usize,
+    const COORDS: usize,
+> BackgroundTask<'a, F, BODIES, DOFS, SERVOS, COORDS>
 {
     /// Tells faults to the host, and keeps them: in the order in which they came, with the notes between them that they
     /// were cleared. So the first one in flash is the first since then, whatever waits.
-    pub(super) fn keep_faults(&mut self, mail: &impl Shared<Mail<'a, V, S, C>>) {
+    pub(super) fn keep_faults(&mut self, mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>) {
         while !self.faults.is_full()
             && let Some(news) = mail.with(|mail| mail.faults.pop_front())
         {
             if let FaultNews::Fault(record) = news {
-                self.outbox.put(&ToHost::Fault(words::fault(&record)));
+                self.outbox.put(&ToHost::Fault(text::fault(&record)));
                 if !is_kept(record.times) {
                     continue;
                 }
@@ -30,7 +36,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
         if let Some(news) = self.faults.front().copied() {
             let kept = match news {
                 FaultNews::Fault(record) => {
-                    self.store.record_fault(&words::to_keep(&record)).map(|_| ())
+                    self.store.record_fault(&text::to_keep(&record)).map(|_| ())
                 }
                 FaultNews::Cleared => self.store.clear_faults(),
             };

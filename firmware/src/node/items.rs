@@ -6,12 +6,12 @@ use sinew_rig::board::BoardRig;
 use sinew_show::ShowFrames;
 use sinew_storage::{Approver, Descriptor, Disarmed, Error, Kind, Store};
 
+use super::background_task::BackgroundTask;
 use super::board::Port;
-use super::desk::Desk;
 use super::mail::{Mail, Shared};
 use super::settings::{NodeSettings, SETTINGS_SCHEMA, SettingsError};
 use super::start::{RIG_SCHEMA, split_rig};
-use super::words;
+use super::text;
 use crate::SettingError;
 use crate::controller::open_show;
 use crate::supervisor::Fault;
@@ -24,22 +24,28 @@ const BY_HOST: &str = "host, one setting";
 
 type Done = Result<Applied, Refusal>;
 
-impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: usize>
-    Desk<'a, F, B, V, S, C>
+impl<
+    'a,
+    F: NorFlash,
+    const BODIES: usize,
+    const DOFS: usize,
+    const SERVOS: usize,
+    const COORDS: usize,
+> BackgroundTask<'a, F, BODIES, DOFS, SERVOS, COORDS>
 {
     /// Does something that may erase: with the one permission, which the loop has while torque may be on. If what was
     /// done `restarts` the board, the permission stays here: nobody arms before.
     fn disarmed<R>(
         &mut self,
-        mail: &impl Shared<Mail<'a, V, S, C>>,
+        mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
         restarts: bool,
         act: impl FnOnce(&mut Store<F>, &Disarmed) -> Result<R, Error<F::Error>>,
     ) -> Result<R, Refusal> {
         let (disarmed, state) = mail.with(|mail| (mail.disarmed.take(), mail.state));
         let refusal =
-            if state.is_on() { Refusal::State(words::state(state)) } else { Refusal::Busy };
+            if state.is_on() { Refusal::State(text::state(state)) } else { Refusal::Busy };
         let disarmed = disarmed.ok_or(refusal)?;
-        let result = act(&mut self.store, &disarmed).map_err(|error| words::storage(&error));
+        let result = act(&mut self.store, &disarmed).map_err(|error| text::storage(&error));
         if restarts && result.is_ok() {
             self.kept = Some(disarmed);
         } else {
@@ -53,12 +59,12 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
         &mut self,
         slot: usize,
         port: &mut impl Port<'a>,
-    ) -> Result<ShowFrames<'a, C>, Refusal> {
+    ) -> Result<ShowFrames<'a, COORDS>, Refusal> {
         let (rig, crc) = self.setup.rig.ok_or(Refusal::Unsupported)?;
         let item = self
             .store
             .show(slot)
-            .map_err(|error| words::storage(&error))?
+            .map_err(|error| text::storage(&error))?
             .ok_or(Refusal::Unknown)?;
         let of = item.descriptor();
         of.check_schema(SHOW_SCHEMA).map_err(|_| Refusal::Content(0))?;
@@ -66,10 +72,14 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
             return Err(Refusal::OtherRig { show: of.rig, rig: crc });
         }
         let bytes = port.lend(item.place()).ok_or(Refusal::Unsupported)?;
-        open_show(rig, crc, self.setup.tick_s, bytes).map_err(|error| words::show_error(&error))
+        open_show(rig, crc, self.setup.tick_s, bytes).map_err(|error| text::show_error(&error))
     }
 
-    pub(super) fn delete(&mut self, slot: usize, mail: &impl Shared<Mail<'a, V, S, C>>) -> Done {
+    pub(super) fn delete(
+        &mut self,
+        slot: usize,
+        mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
+    ) -> Done {
         self.disarmed(mail, false, |store, disarmed| store.delete_show(disarmed, slot))?;
         Ok(Applied::Stored(None))
     }
@@ -81,13 +91,17 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
             Place::Rig => self.store.rig(),
             Place::Show { slot } => self.store.show(slot.into()),
         };
-        let item = item.map_err(|error| words::storage(&error))?;
-        Ok(Applied::Stored(item.map(|item| words::item(item.descriptor()))))
+        let item = item.map_err(|error| text::storage(&error))?;
+        Ok(Applied::Stored(item.map(|item| text::item(item.descriptor()))))
     }
 
     #[inline(never)]
-    pub(super) fn begin(&mut self, item: &Item, mail: &impl Shared<Mail<'a, V, S, C>>) -> Done {
-        let descriptor = words::descriptor(item).ok_or(Refusal::Value)?;
+    pub(super) fn begin(
+        &mut self,
+        item: &Item,
+        mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
+    ) -> Done {
+        let descriptor = text::descriptor(item).ok_or(Refusal::Value)?;
         let schema = match descriptor.kind {
             Kind::Settings => SETTINGS_SCHEMA,
             Kind::Rig => RIG_SCHEMA,
@@ -106,7 +120,11 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
         Ok(Applied::Upload { next })
     }
 
-    pub(super) fn block(&mut self, block: &Block, mail: &impl Shared<Mail<'a, V, S, C>>) -> Done {
+    pub(super) fn block(
+        &mut self,
+        block: &Block,
+        mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
+    ) -> Done {
         let mut upload = self.upload.take().ok_or(Refusal::Offset { next: 0 })?;
         let written = self.disarmed(mail, false, |store, disarmed| {
             store.write(disarmed, &mut upload, block.offset, &block.bytes)
@@ -122,7 +140,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
     pub(super) fn end<P: Port<'a>>(
         &mut self,
         port: &mut P,
-        mail: &impl Shared<Mail<'a, V, S, C>>,
+        mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) -> Done {
         let upload = self.upload.take().ok_or(Refusal::Offset { next: 0 })?;
         let of = upload.descriptor().clone();
@@ -136,7 +154,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
         let restarts = matches!(of.kind, Kind::Settings | Kind::Rig);
         let stored =
             self.disarmed(mail, restarts, |store, disarmed| store.end(disarmed, &upload))?;
-        Ok(Applied::Stored(Some(words::item(stored.descriptor()))))
+        Ok(Applied::Stored(Some(text::item(stored.descriptor()))))
     }
 
     /// That a content is one that this node can use.
@@ -145,12 +163,12 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
             Kind::Settings => self.setup.settings.read(bytes).map(|_| ()).map_err(settings_error),
             Kind::Rig => {
                 let (rig, behind) = split_rig(bytes);
-                check_rig::<B, V, S>(rig)?;
+                check_rig::<BODIES, DOFS, SERVOS>(rig)?;
                 if P::drives(behind) { Ok(()) } else { Err(Refusal::Unsupported) }
             }
             Kind::Show => {
                 let (rig, crc) = self.setup.rig.ok_or(Refusal::Unsupported)?;
-                check_show::<B, V, S, C>(rig, crc, self.setup.tick_s, bytes)
+                check_show::<BODIES, DOFS, SERVOS, COORDS>(rig, crc, self.setup.tick_s, bytes)
             }
         }
     }
@@ -166,7 +184,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
         &mut self,
         key: u16,
         value: &Value,
-        mail: &impl Shared<Mail<'a, V, S, C>>,
+        mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) -> Done {
         if self.setup.is_bad {
             // They would count from then on, though nobody has approved the others of them for this rig.
@@ -188,33 +206,37 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
     /// 0 is the first since faults were cleared, then from the latest back.
     #[inline(never)]
     pub(super) fn read_fault(&mut self, index: u16) -> Done {
-        let faults = self.store.faults().map_err(|error| words::storage(&error))?;
+        let faults = self.store.faults().map_err(|error| text::storage(&error))?;
         let all = faults.first.iter().chain(&faults.last);
         let count = u16::try_from(all.count()).unwrap_or(u16::MAX);
         let record = match index.checked_sub(1) {
             None => faults.first.as_ref(),
             Some(back) => faults.last.iter().rev().nth(back.into()),
         };
-        let record = record.and_then(words::kept).map(|record| words::fault(&record));
+        let record = record.and_then(text::kept).map(|record| text::fault(&record));
         Ok(Applied::Fault(FaultReport { count, record }))
     }
 }
 
 #[inline(never)]
-fn check_show<const B: usize, const V: usize, const S: usize, const C: usize>(
-    rig: &BoardRig<B, V, S>,
+fn check_show<const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COORDS: usize>(
+    rig: &BoardRig<BODIES, DOFS, SERVOS>,
     crc: u32,
     tick_s: f32,
     bytes: &[u8],
 ) -> Result<(), Refusal> {
-    let opened = open_show::<B, V, S, C>(rig, crc, tick_s, bytes);
-    opened.map(|_| ()).map_err(|error| words::show_error(&error))
+    let opened = open_show::<BODIES, DOFS, SERVOS, COORDS>(rig, crc, tick_s, bytes);
+    opened.map(|_| ()).map_err(|error| text::show_error(&error))
 }
 
 // Apart, as all here that takes much of the stack: it is free again before the rest.
 #[inline(never)]
-fn check_rig<const B: usize, const V: usize, const S: usize>(bytes: &[u8]) -> Result<(), Refusal> {
-    BoardRig::<B, V, S>::decode(bytes).map(|_| ()).map_err(|error| words::rig_error(&error))
+fn check_rig<const BODIES: usize, const DOFS: usize, const SERVOS: usize>(
+    bytes: &[u8],
+) -> Result<(), Refusal> {
+    BoardRig::<BODIES, DOFS, SERVOS>::decode(bytes)
+        .map(|_| ())
+        .map_err(|error| text::rig_error(&error))
 }
 
 fn read_back<F: NorFlash>(
@@ -224,7 +246,7 @@ fn read_back<F: NorFlash>(
 ) -> Result<NodeSettings, Refusal> {
     let mut bytes = [0; super::settings::SETTINGS_MAX];
     let bytes = bytes.get_mut(..item.descriptor().len as usize).ok_or(Refusal::Memory)?;
-    store.read(item, 0, bytes).map_err(|error| words::storage(&error))?;
+    store.read(item, 0, bytes).map_err(|error| text::storage(&error))?;
     settings.read(bytes).map_err(settings_error)
 }
 

@@ -18,30 +18,30 @@ const FASTEST: f32 = 1e6;
 /// The least one: a joint that cannot move.
 const SLOWEST: f32 = 1e-6;
 
-/// A stream of poses for a rig of `C` coordinates at most.
+/// A stream of poses for a rig of `COORDS` coordinates at most.
 #[derive(Debug)]
-pub(super) struct Live<const C: usize> {
-    buffer: LiveBuffer<C, FRAMES>,
-    joints: Vec<Coordinate, C>,
-    before: Option<[f32; C]>,
+pub(super) struct Live<const COORDS: usize> {
+    buffer: LiveBuffer<COORDS, FRAMES>,
+    joints: Vec<Coordinate, COORDS>,
+    before: Option<[f32; COORDS]>,
     tick_s: f32,
     age_us: Option<u32>,
 }
 
-impl<const C: usize> Live<C> {
+impl<const COORDS: usize> Live<COORDS> {
     /// For the joints of a rig; one that floats cannot be streamed to, and counts as one that stands.
     #[inline(never)]
-    pub(super) fn new<const B: usize, const V: usize, const S: usize>(
-        rig: &BoardRig<B, V, S>,
+    pub(super) fn new<const BODIES: usize, const DOFS: usize, const SERVOS: usize>(
+        rig: &BoardRig<BODIES, DOFS, SERVOS>,
         settings: LiveSettings,
     ) -> Result<Self, LiveSetupError> {
-        let mut joints: Vec<Coordinate, C> = Vec::new();
+        let mut joints: Vec<Coordinate, COORDS> = Vec::new();
         let (mut room, mut first) = (Ok(()), 0_usize);
         for body in rig.tree().bodies() {
-            let count = body.joint.degrees_of_freedom();
-            let own = rig.freedoms().iter().skip(first).take(count);
+            let count = body.joint.dof_count();
+            let own = rig.dofs().iter().skip(first).take(count);
             first = first.saturating_add(count);
-            let mut speeds = own.map(|freedom| freedom.speed.clamp(SLOWEST, FASTEST));
+            let mut speeds = own.map(|dof| dof.speed.clamp(SLOWEST, FASTEST));
             if matches!(body.joint, JointKind::Spherical | JointKind::Free) {
                 let speed = speeds.fold(FASTEST, f32::min);
                 room = room.and(joints.push(Coordinate::Rotation { speed }));
@@ -57,7 +57,7 @@ impl<const C: usize> Live<C> {
             }
         }
         let needs = rig.tree().coordinate_count();
-        room.map_err(|_| LiveSetupError::Capacity { room: C, needs })?;
+        room.map_err(|_| LiveSetupError::Capacity { room: COORDS, needs })?;
         let buffer = LiveBuffer::new(&joints, settings)?;
         Ok(Self { buffer, joints, before: None, tick_s: settings.tick_s, age_us: None })
     }
@@ -73,7 +73,7 @@ impl<const C: usize> Live<C> {
     }
 }
 
-impl<const C: usize> LiveSource for Live<C> {
+impl<const COORDS: usize> LiveSource for Live<COORDS> {
     fn target(&mut self, now_us: u64, q: &mut [f32], qd: &mut [f32], qdd: &mut [f32]) -> bool {
         let target = self.buffer.step(now_us);
         self.age_us = target.age_us;
@@ -82,7 +82,7 @@ impl<const C: usize> LiveSource for Live<C> {
             self.before = None;
             return false;
         }
-        let mut now = [0.0; C];
+        let mut now = [0.0; COORDS];
         for ((to, q), from) in now.iter_mut().zip(q.iter_mut()).zip(target.q) {
             (*to, *q) = (*from, *from);
         }

@@ -9,7 +9,7 @@ use crate::controller::Jog;
 use crate::supervisor::{Answer, Command, FaultNews, LOGGED, Operator, State};
 
 /// Of whom a command is: its session and number.
-pub(super) type Ticket = (u16, u16);
+pub(super) type CommandId = (u16, u16);
 
 /// Live frames that may wait for the next tick.
 pub(super) const LIVE_WAITING: usize = 4;
@@ -31,21 +31,21 @@ pub trait Shared<T> {
 /// While torque is off, the one [`Disarmed`] lies here. The loop takes it away to arm, and what is below takes it to
 /// erase; whoever comes second does not get it.
 #[derive(Debug)]
-pub struct Mail<'a, const V: usize, const S: usize, const C: usize> {
+pub struct Mail<'a, const DOFS: usize, const SERVOS: usize, const COORDS: usize> {
     /// A valid and new message came.
     pub(super) heard: bool,
     /// An emergency stop goes before all else.
-    pub(super) stop: Option<Ticket>,
-    pub(super) order: Option<(Ticket, Order<'a, C>)>,
+    pub(super) stop: Option<CommandId>,
+    pub(super) order: Option<(CommandId, LoopRequest<'a, COORDS>)>,
     pub(super) enable: Option<Operator>,
     pub(super) jog: Option<Jog>,
     pub(super) live: Deque<LiveFrame, LIVE_WAITING>,
     pub(super) wants_snapshot: bool,
-    pub(super) answers: Deque<(Ticket, Said), 4>,
+    pub(super) answers: Deque<(CommandId, LoopReply), 4>,
     pub(super) faults: Deque<FaultNews, FAULTS_WAITING>,
-    pub(super) snapshot: Option<Tick<V, S, C>>,
+    pub(super) snapshot: Option<Tick<DOFS, SERVOS, COORDS>>,
     /// What servos said to the last packet of the host.
-    pub(super) of_servos: OfServos,
+    pub(super) of_servos: PassthroughReply,
     pub(super) health: Health,
     pub(super) state: State,
     pub(super) disarmed: Option<Disarmed>,
@@ -53,10 +53,10 @@ pub struct Mail<'a, const V: usize, const S: usize, const C: usize> {
 
 /// Something for the loop to do.
 #[derive(Debug)]
-pub(super) enum Order<'a, const C: usize> {
+pub(super) enum LoopRequest<'a, const COORDS: usize> {
     Supervise(Command),
     /// Another show, or none.
-    Show(Option<ShowFrames<'a, C>>),
+    Show(Option<ShowFrames<'a, COORDS>>),
     /// Bytes for servos.
     Pass(Pass),
     Health,
@@ -64,7 +64,7 @@ pub(super) enum Order<'a, const C: usize> {
 
 /// What became of it.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Said {
+pub(super) enum LoopReply {
     Supervised(Answer),
     Shown,
     /// Servos were talked to: [`Mail::of_servos`] is what they said.
@@ -83,22 +83,22 @@ pub(super) enum Said {
 
 /// What servos said to a packet of the host.
 #[derive(Debug, Default)]
-pub(super) struct OfServos {
+pub(super) struct PassthroughReply {
     pub(super) bytes: Vec<u8, PASSED_MAX>,
     pub(super) took_us: u32,
 }
 
 /// What telemetry tells of a tick.
 #[derive(Debug, Clone)]
-pub(super) struct Tick<const V: usize, const S: usize, const C: usize> {
+pub(super) struct Tick<const DOFS: usize, const SERVOS: usize, const COORDS: usize> {
     pub(super) number: u32,
     pub(super) summary: Summary,
-    pub(super) q: Vec<f32, C>,
-    pub(super) dofs: Vec<Dof, V>,
-    pub(super) servos: Vec<Servo, S>,
+    pub(super) q: Vec<f32, COORDS>,
+    pub(super) dofs: Vec<Dof, DOFS>,
+    pub(super) servos: Vec<Servo, SERVOS>,
 }
 
-impl<const V: usize, const S: usize, const C: usize> Mail<'_, V, S, C> {
+impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Mail<'_, DOFS, SERVOS, COORDS> {
     /// Nothing yet, and torque is off.
     pub fn new(disarmed: Disarmed) -> Self {
         Self {
@@ -112,7 +112,7 @@ impl<const V: usize, const S: usize, const C: usize> Mail<'_, V, S, C> {
             answers: Deque::new(),
             faults: Deque::new(),
             snapshot: None,
-            of_servos: OfServos::default(),
+            of_servos: PassthroughReply::default(),
             health: Health::default(),
             state: State::Off,
             disarmed: Some(disarmed),

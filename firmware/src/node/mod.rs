@@ -1,15 +1,15 @@
 //! A node: the whole of a controller's board, but for its hardware.
 //!
 //! ```text
-//! host <─ bytes ─> Desk ─ Mail: orders, live frames, heard ─> Control ─> Controller ─> bus of servos
+//! host <─ bytes ─> BackgroundTask ─ Mail: orders, live frames, heard ─> ControlLoop ─> MotionController ─> bus of servos
 //!                   │  <─ Mail: answers, faults, snapshots ─     │
 //!                 Store (flash)                               Safety: e-stop, OE, watchdog
 //!               below, step by step                       above, tick by tick
 //! ```
 //!
 //! - [`start`] reads back what flash keeps, and says what is bad as numbered faults.
-//! - [`Control::tick`] runs above all else: one tick, orders of the mail first. It alone feeds the watchdog.
-//! - [`Desk::step`] runs below it: bytes of the link, storage, the log of faults, telemetry.
+//! - [`ControlLoop::tick`] runs above all else: one tick, orders of the mail first. It alone feeds the watchdog.
+//! - [`BackgroundTask::step`] runs below it: bytes of the link, storage, the log of faults, telemetry.
 //! - [`Mail`] is all that both reach; [`Shared`] is the board's critical section round it.
 //! - [`Safety`] and [`Port`] are what a board gives.
 //!
@@ -37,10 +37,10 @@
     clippy::arithmetic_side_effects
 )]
 
+mod background_task;
 mod board;
 mod commands;
 mod control;
-mod desk;
 mod faults;
 mod items;
 mod live;
@@ -52,12 +52,12 @@ mod settings;
 mod snapshot;
 mod start;
 mod telemetry;
+mod text;
 mod timing;
-mod words;
 
+pub use background_task::{BackgroundTask, Next, Setup};
 pub use board::{Port, Safety, causes};
-pub use control::{Control, ControlError};
-pub use desk::{Desk, Next, Setup};
+pub use control::{ControlError, ControlLoop};
 pub use items::SHOW_SCHEMA;
 pub use mail::{Mail, Shared};
 pub use mark::link_version;

@@ -5,23 +5,23 @@ use sinew_link::message::{Applied, Cycles, Health, Pass, Passed, Refusal};
 use sinew_servo_bus::ServoBus;
 
 use super::board::Safety;
-use super::control::Control;
-use super::mail::{Mail, OfServos, Said, Shared, Ticket};
+use super::control::ControlLoop;
+use super::mail::{CommandId, LoopReply, Mail, PassthroughReply, Shared};
 use super::timing::{Spread, Timings};
-use crate::controller::{Controller, Wire};
+use crate::controller::{MotionController, Wire};
 use crate::supervisor::State;
 
 /// What a tick is asked for beside its own work.
 #[derive(Debug)]
-pub(super) enum Asked {
+pub(super) enum ServiceRequest {
     Pass(Pass),
     Health,
 }
 
 /// What came of it.
 #[expect(clippy::large_enum_variant, reason = "no heap to put it on; there is one at a time")]
-enum Served {
-    Passed(OfServos),
+enum ServiceReply {
+    Passed(PassthroughReply),
     NotPassed(State),
     NoLine,
     TooLong,
@@ -30,13 +30,18 @@ enum Served {
 
 /// The lowest supply that servos told while torque was on.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Lowest(Option<f32>);
+pub(super) struct MinSupply(Option<f32>);
 
-impl Lowest {
+impl MinSupply {
     /// A tick. O(servos).
-    pub(super) fn note<const B: usize, const V: usize, const S: usize, const C: usize>(
+    pub(super) fn note<
+        const BODIES: usize,
+        const DOFS: usize,
+        const SERVOS: usize,
+        const COORDS: usize,
+    >(
         &mut self,
-        controller: &Controller<'_, B, V, S, C>,
+        controller: &MotionController<'_, BODIES, DOFS, SERVOS, COORDS>,
     ) {
         if controller.permission().torque {
             let servos = &controller.report().servos;
@@ -46,7 +51,9 @@ impl Lowest {
     }
 }
 
-impl<const B: usize, const V: usize, const S: usize, const C: usize> Control<'_, B, V, S, C> {
+impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COORDS: usize>
+    ControlLoop<'_, BODIES, DOFS, SERVOS, COORDS>
+{
     /// Does what the host asks for, if torque is off and nobody moves the rig by hand. It takes as long as bytes to
     /// servos and the wait for them, each at most [`PASS_WAIT_US`](sinew_link::message::PASS_WAIT_US).
     // Not within the tick: what servos say would lie on the stack in all of it.
@@ -54,27 +61,27 @@ impl<const B: usize, const V: usize, const S: usize, const C: usize> Control<'_,
     pub(super) fn serve<'m>(
         &mut self,
         board: &impl Safety,
-        mail: &impl Shared<Mail<'m, V, S, C>>,
+        mail: &impl Shared<Mail<'m, DOFS, SERVOS, COORDS>>,
         bus: &mut impl ServoBus,
         wire: &mut impl Wire,
     ) {
         let Some((ticket, asked)) = self.service.take() else { return };
         let served = match asked {
-            Asked::Health => Served::Measured(self.health(board)),
-            Asked::Pass(pass) => self.pass(&pass, bus, wire),
+            ServiceRequest::Health => ServiceReply::Measured(self.health(board)),
+            ServiceRequest::Pass(pass) => self.pass(&pass, bus, wire),
         };
         mail.with(|mail| mail.put_served(ticket, served));
     }
 
-    fn pass(&mut self, pass: &Pass, bus: &mut impl ServoBus, wire: &mut impl Wire) -> Served {
+    fn pass(&mut self, pass: &Pass, bus: &mut impl ServoBus, wire: &mut impl Wire) -> ServiceReply {
         let state = self.controller.report().state;
         let is_still = matches!(state, State::Off | State::Limp | State::Faulted);
         if self.controller.permission().torque || !is_still {
-            return Served::NotPassed(state);
+            return ServiceReply::NotPassed(state);
         }
-        let Some(own) = wire.rate(pass.line) else { return Served::NoLine };
+        let Some(own) = wire.rate(pass.line) else { return ServiceReply::NoLine };
         let baud = if pass.baud == 0 { own } else { pass.baud };
-        let Some(sending_us) = pass.sending_us(baud) else { return Served::TooLong };
+        let Some(sending_us) = pass.sending_us(baud) else { return ServiceReply::TooLong };
         let wait_us = sending_us.saturating_add(pass.wait_us);
         let mut came = Vec::new();
         let took = wire.pass(pass.line, pass.baud, &pass.bytes, wait_us, |bytes| {
@@ -85,7 +92,9 @@ impl<const B: usize, const V: usize, const S: usize, const C: usize> Control<'_,
         });
         // A register may have been written.
         self.controller.forget_registers(bus);
-        took.map_or(Served::NoLine, |took_us| Served::Passed(OfServos { bytes: came, took_us }))
+        took.map_or(ServiceReply::NoLine, |took_us| {
+            ServiceReply::Passed(PassthroughReply { bytes: came, took_us })
+        })
     }
 
     fn health(&mut self, board: &impl Safety) -> Health {
@@ -106,20 +115,20 @@ pub(super) fn cycles(Spread { least, mean, most, count }: Spread) -> Cycles {
     Cycles { least, mean, most, count }
 }
 
-impl<const V: usize, const S: usize, const C: usize> Mail<'_, V, S, C> {
+impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Mail<'_, DOFS, SERVOS, COORDS> {
     /// The loop has served the host.
-    fn put_served(&mut self, ticket: Ticket, served: Served) {
+    fn put_served(&mut self, ticket: CommandId, served: ServiceReply) {
         let said = match served {
-            Served::Passed(of_servos) => {
+            ServiceReply::Passed(of_servos) => {
                 self.of_servos = of_servos;
-                Said::Passed
+                LoopReply::Passed
             }
-            Served::NotPassed(state) => Said::NotPassed(state),
-            Served::NoLine => Said::NoLine,
-            Served::TooLong => Said::TooLong,
-            Served::Measured(health) => {
+            ServiceReply::NotPassed(state) => LoopReply::NotPassed(state),
+            ServiceReply::NoLine => LoopReply::NoLine,
+            ServiceReply::TooLong => LoopReply::TooLong,
+            ServiceReply::Measured(health) => {
                 self.health = health;
-                Said::Measured
+                LoopReply::Measured
             }
         };
         // There is room: one command is under way, and a stop.
@@ -128,7 +137,7 @@ impl<const V: usize, const S: usize, const C: usize> Mail<'_, V, S, C> {
 
     /// What servos said, from a byte on.
     pub(super) fn of_servos(&self, offset: u16) -> Result<Applied, Refusal> {
-        let OfServos { bytes, took_us } = &self.of_servos;
+        let PassthroughReply { bytes, took_us } = &self.of_servos;
         let count = u16::try_from(bytes.len()).unwrap_or(u16::MAX);
         let rest = bytes.get(usize::from(offset)..);
         let rest = rest.ok_or(Refusal::Offset { next: count.into() })?;

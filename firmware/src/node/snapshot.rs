@@ -6,8 +6,8 @@ use sinew_link::message::{self, Dof, Errors, Servo, Summary};
 use sinew_rig::board::BoardRig;
 
 use super::mail::Tick;
-use super::words;
-use crate::controller::Controller;
+use super::text;
+use crate::controller::MotionController;
 use crate::supervisor::Fault;
 
 /// How long ticks took since the last snapshot.
@@ -50,11 +50,16 @@ pub(super) struct More {
 /// The last tick. O(bodies).
 // Not within its caller: the loop would have its poses on the stack in every tick.
 #[inline(never)]
-pub(super) fn of<const B: usize, const V: usize, const S: usize, const C: usize>(
-    controller: &Controller<'_, B, V, S, C>,
-    rig: &BoardRig<B, V, S>,
+pub(super) fn of<
+    const BODIES: usize,
+    const DOFS: usize,
+    const SERVOS: usize,
+    const COORDS: usize,
+>(
+    controller: &MotionController<'_, BODIES, DOFS, SERVOS, COORDS>,
+    rig: &BoardRig<BODIES, DOFS, SERVOS>,
     more: &More,
-) -> Tick<V, S, C> {
+) -> Tick<DOFS, SERVOS, COORDS> {
     let report = controller.report();
     let voltages = report.servos.iter().filter_map(|servo| servo.voltage_v);
     let show_s = match (report.show, more.show_hz) {
@@ -64,7 +69,7 @@ pub(super) fn of<const B: usize, const V: usize, const S: usize, const C: usize>
     let mut tick = Tick {
         number: more.times.tick,
         summary: Summary {
-            state: words::state(report.state),
+            state: text::state(report.state),
             fault: report.latched.first().map(Fault::number),
             errors: errors(controller, rig),
             tick_us: more.times.mean_us(),
@@ -85,9 +90,9 @@ pub(super) fn of<const B: usize, const V: usize, const S: usize, const C: usize>
     for q in controller.measured() {
         let _ = tick.q.push(finite(*q));
     }
-    for freedom in &report.freedoms {
-        let effort = finite(freedom.effort);
-        let _ = tick.dofs.push(Dof { effort, limiter: freedom.limit.map(words::limit) });
+    for dof in &report.dofs {
+        let effort = finite(dof.effort);
+        let _ = tick.dofs.push(Dof { effort, limiter: dof.limit.map(text::limit) });
     }
     for servo in &report.servos {
         let temperature_c = servo.temperature_c.map(|t| {
@@ -104,15 +109,15 @@ pub(super) fn of<const B: usize, const V: usize, const S: usize, const C: usize>
     tick
 }
 
-/// How far the measured pose is from the commanded one: angles by freedom, distances of the joints in space.
+/// How far the measured pose is from the commanded one: angles by dof, distances of the joints in space.
 #[inline(never)]
-fn errors<const B: usize, const V: usize, const S: usize, const C: usize>(
-    controller: &Controller<'_, B, V, S, C>,
-    rig: &BoardRig<B, V, S>,
+fn errors<const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COORDS: usize>(
+    controller: &MotionController<'_, BODIES, DOFS, SERVOS, COORDS>,
+    rig: &BoardRig<BODIES, DOFS, SERVOS>,
 ) -> Option<message::Errors> {
     let following = controller.report().following?;
     let tree = rig.tree();
-    let mut places = [[BodyState::WORLD; B]; 2];
+    let mut places = [[BodyState::WORLD; BODIES]; 2];
     for (world, q) in places.iter_mut().zip([controller.commanded().0, controller.measured()]) {
         let mut joints = JointStates::rest(tree);
         joints.set_coordinates_at_rest(tree, q).ok()?;
@@ -129,7 +134,7 @@ fn errors<const B: usize, const V: usize, const S: usize, const C: usize>(
         largest_deg: finite(following.most_rad.to_degrees()),
         mean_cm: finite(100.0 * sum / count.max(1.0)),
         largest_cm: finite(100.0 * most),
-        worst: u8::try_from(following.freedom).unwrap_or(u8::MAX),
+        worst: u8::try_from(following.dof).unwrap_or(u8::MAX),
     })
 }
 

@@ -7,7 +7,7 @@ use sinew_rig::board::BoardRig;
 use sinew_storage::{BoardTable, Condition, Disarmed, Error, Hash, Kind, Store, Stored};
 
 use super::settings::{NodeSettings, SETTINGS_MAX, SETTINGS_SCHEMA};
-use super::words;
+use super::text;
 use crate::controller::Start;
 use crate::supervisor::{Fault, FaultLog, FaultRecord, FaultSet, LOGGED};
 
@@ -16,7 +16,7 @@ pub const RIG_SCHEMA: u16 = 1;
 
 /// What was found at power-on.
 #[derive(Debug)]
-pub struct Found<'r, F, const B: usize, const V: usize, const S: usize> {
+pub struct Found<'r, F, const BODIES: usize, const DOFS: usize, const SERVOS: usize> {
     /// The store, in order.
     pub store: Store<F>,
     /// The one permission to erase, for [`Mail::new`](super::Mail::new).
@@ -24,7 +24,7 @@ pub struct Found<'r, F, const B: usize, const V: usize, const S: usize> {
     /// The settings; where there are none, or bad ones, the board's.
     pub settings: NodeSettings,
     /// The rig, and the CRC that its form ends with. None if there is no good one: nothing can move then.
-    pub rig: Option<(&'r BoardRig<B, V, S>, u32)>,
+    pub rig: Option<(&'r BoardRig<BODIES, DOFS, SERVOS>, u32)>,
     /// Whether the settings, or the rig, are not the newest that were stored: what is stored is bad.
     pub is_bad: bool,
     /// For the controller: why the board starts, and what is bad, as faults; and the faults before.
@@ -37,14 +37,14 @@ pub struct Found<'r, F, const B: usize, const V: usize, const S: usize> {
 ///
 /// # Errors
 /// [`Error`] if the flash cannot be read, or the table does not fit it. Whatever is in the flash is no error.
-pub fn start<'r, F: NorFlash, const B: usize, const V: usize, const S: usize>(
+pub fn start<'r, F: NorFlash, const BODIES: usize, const DOFS: usize, const SERVOS: usize>(
     flash: F,
     table: BoardTable,
     defaults: impl FnOnce(&[u8]) -> NodeSettings,
     mut causes: FaultSet,
     room: &mut [u8],
-    slot: &'r mut MaybeUninit<BoardRig<B, V, S>>,
-) -> Result<Found<'r, F, B, V, S>, Error<F::Error>> {
+    slot: &'r mut MaybeUninit<BoardRig<BODIES, DOFS, SERVOS>>,
+) -> Result<Found<'r, F, BODIES, DOFS, SERVOS>, Error<F::Error>> {
     let (mut store, disarmed) = Store::open(flash, table)?;
     let was_lost = store.condition() == Condition::Lost;
     store.tidy(&disarmed)?;
@@ -126,10 +126,10 @@ fn content<'r, F: NorFlash>(
 }
 
 /// A rig, and the CRC that its form ends with.
-fn read_rig<'r, const B: usize, const V: usize, const S: usize>(
-    slot: &'r mut MaybeUninit<BoardRig<B, V, S>>,
+fn read_rig<'r, const BODIES: usize, const DOFS: usize, const SERVOS: usize>(
+    slot: &'r mut MaybeUninit<BoardRig<BODIES, DOFS, SERVOS>>,
     bytes: &[u8],
-) -> Option<(&'r BoardRig<B, V, S>, u32)> {
+) -> Option<(&'r BoardRig<BODIES, DOFS, SERVOS>, u32)> {
     let crc = u32::from_le_bytes(*bytes.last_chunk()?);
     BoardRig::decode_in(slot, bytes).ok().map(|rig| (&*rig, crc))
 }
@@ -139,14 +139,14 @@ fn read_rig<'r, const B: usize, const V: usize, const S: usize>(
 fn fault_log<F: NorFlash>(store: &mut Store<F>) -> Result<FaultLog<LOGGED>, Error<F::Error>> {
     let kept = store.faults()?;
     let mut last: heapless::Vec<FaultRecord, LOGGED> = heapless::Vec::new();
-    for record in kept.last.iter().rev().filter_map(words::kept) {
+    for record in kept.last.iter().rev().filter_map(text::kept) {
         let is_again =
             last.iter().any(|newer| newer.is_as(&record) && newer.time_us == record.time_us);
         if !is_again && last.push(record).is_err() {
             break;
         }
     }
-    let first = kept.first.as_ref().and_then(words::kept);
+    let first = kept.first.as_ref().and_then(text::kept);
     // By reference: a list that is taken apart can panic as it is dropped.
     Ok(FaultLog::restored(first, last.iter().copied()))
 }

@@ -7,14 +7,14 @@ use super::outbox::Outbox;
 
 /// Asks the loop for snapshots, and sends them frame by frame, as long as the line has room.
 #[derive(Debug)]
-pub(super) struct Telemeter<const V: usize, const S: usize, const C: usize> {
+pub(super) struct Telemeter<const DOFS: usize, const SERVOS: usize, const COORDS: usize> {
     setting: TelemetrySetting,
     due_us: u64,
-    sending: Option<(Tick<V, S, C>, usize)>,
+    sending: Option<(Tick<DOFS, SERVOS, COORDS>, usize)>,
     seq: u16,
 }
 
-impl<const V: usize, const S: usize, const C: usize> Telemeter<V, S, C> {
+impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Telemeter<DOFS, SERVOS, COORDS> {
     /// None is sent.
     pub(super) const fn new() -> Self {
         let setting = TelemetrySetting { rate_hz: 0.0, parts: Parts(0) };
@@ -31,7 +31,7 @@ impl<const V: usize, const S: usize, const C: usize> Telemeter<V, S, C> {
     pub(super) fn step<'a>(
         &mut self,
         now_us: u64,
-        mail: &impl Shared<Mail<'a, V, S, C>>,
+        mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
         (damaged, lost): (u32, u32),
         outbox: &mut Outbox,
     ) {

@@ -6,8 +6,8 @@ use core::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Moving {
-    /// Its freedom.
-    pub freedom: u16,
+    /// Its dof.
+    pub dof: u16,
     /// How fast it moves, mrad/s; of a slide mm/s.
     pub mrad_s: u32,
     /// How fast it may move, in the same unit.
@@ -15,11 +15,11 @@ pub struct Moving {
 }
 
 impl Moving {
-    /// Of a freedom with its speed and the most that it may have, rad/s; of a slide m/s.
-    pub(crate) fn new(freedom: usize, rad_s: f32, most_rad_s: f32) -> Self {
+    /// Of a dof with its speed and the most that it may have, rad/s; of a slide m/s.
+    pub(crate) fn new(dof: usize, rad_s: f32, most_rad_s: f32) -> Self {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it saturates")]
         let [mrad_s, most_mrad_s] = [rad_s, most_rad_s].map(|rad_s| (rad_s.abs() * 1e3) as u32);
-        Self { freedom: u16::try_from(freedom).unwrap_or(u16::MAX), mrad_s, most_mrad_s }
+        Self { dof: u16::try_from(dof).unwrap_or(u16::MAX), mrad_s, most_mrad_s }
     }
 
     /// How fast it moves, and how fast it may, rad/s; of a slide m/s.
@@ -31,6 +31,6 @@ impl Moving {
 impl fmt::Display for Moving {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [now, most] = self.rad_s();
-        write!(f, "joint {} at {now:.3} rad/s, at most {most:.3}", self.freedom)
+        write!(f, "joint {} at {now:.3} rad/s, at most {most:.3}", self.dof)
     }
 }

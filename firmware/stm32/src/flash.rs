@@ -6,7 +6,7 @@ use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
 
-use crate::dog;
+use crate::watchdog;
 
 /// Where flash is as memory.
 const BASE: u32 = 0x0800_0000;
@@ -73,7 +73,7 @@ impl NorFlash for Chip {
     const ERASE_SIZE: usize = UNITS.1;
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), ChipError> {
-        dog::wait_for_long();
+        watchdog::wait_for_long();
         erase_by_words();
         let erased = self.0.blocking_erase(from, to).map_err(ChipError);
         forget_cached();

@@ -27,7 +27,6 @@
 
 mod bus;
 pub mod clock;
-pub mod dog;
 mod flash;
 mod light;
 mod node;
@@ -38,10 +37,11 @@ pub mod reset;
 mod serial;
 mod servo_line;
 pub mod stop;
+pub mod watchdog;
 
 pub use flash::Chip;
 pub use light::Light;
-pub use node::{BODIES, CAPACITY, COORDINATES, FREEDOMS, Hardware, LINES, SERVOS, run};
+pub use node::{BODIES, CAPACITY, COORDINATES, DOFS, Hardware, LINES, SERVOS, run};
 pub use nucleo::Nucleo;
 pub use serial::{Dma, Serial};
 pub use servo_line::ServoLine;

@@ -14,7 +14,8 @@ use sinew_firmware::controller::{
     ControllerSettings, ServoSetup, Start, check_budget, estimated_us,
 };
 use sinew_firmware::node::{
-    Control, Desk, Found, Mail, Next, NodeSettings, Port, Safety, Setup, Shared, start,
+    BackgroundTask, ControlLoop, Found, Mail, Next, NodeSettings, Port, Safety, Setup, Shared,
+    start,
 };
 use sinew_firmware::supervisor::Fault;
 use sinew_firmware::watchdog::{Complete, Watchdog};
@@ -26,7 +27,7 @@ use sinew_wiring::{AllLines, Wiring};
 use static_cell::StaticCell;
 
 use crate::bus::{Exchange, Lines, Place, Ports};
-use crate::{Chip, Light, Serial, ServoLine, clock, dog, flash, pulses, reset};
+use crate::{Chip, Light, Serial, ServoLine, clock, flash, pulses, reset, watchdog};
 
 /// Servos that these boards hold: those of a small humanoid. 29 kB of RAM are static, 56 the loop, on the stack. With
 /// what else may lie there at once that is nearly all of 128 kB, as budget.toml has it: docs/decisions/boards.md has
@@ -34,19 +35,16 @@ use crate::{Chip, Light, Serial, ServoLine, clock, dog, flash, pulses, reset};
 pub const SERVOS: usize = 20;
 /// Bodies.
 pub const BODIES: usize = SERVOS + 1;
-/// Degrees of freedom.
-pub const FREEDOMS: usize = SERVOS;
-/// Coordinates: a ball joint has four for three freedoms.
+/// Degrees of dof.
+pub const DOFS: usize = SERVOS;
+/// Coordinates: a ball joint has four for three dofs.
 pub const COORDINATES: usize = SERVOS + 2;
 /// Lines of servos: one of UART, one of I2C.
 pub const LINES: usize = 2;
 
 /// The largest rig.
-pub const CAPACITY: Capacity = Capacity {
-    bodies: rounded(BODIES),
-    degrees_of_freedom: rounded(FREEDOMS),
-    servos: rounded(SERVOS),
-};
+pub const CAPACITY: Capacity =
+    Capacity { bodies: rounded(BODIES), dofs: rounded(DOFS), servos: rounded(SERVOS) };
 
 /// Room for the longest item of a rig, its compact form and its wiring: half of a sector of 16 kB, since the log keeps
 /// the old one until the new one is whole. OP3 with 20 XM430 takes 6.4 kB.
@@ -55,9 +53,9 @@ const RIG_ROOM: usize = 8192;
 /// The loop's interrupt is above all but DMA, whose rings count their turns by theirs.
 const LOOP_PRIORITY: u8 = 8 << 4;
 
-type Rig = BoardRig<BODIES, FREEDOMS, SERVOS>;
-type LoopControl = Control<'static, BODIES, FREEDOMS, SERVOS, COORDINATES>;
-type OwnMail = Locked<Mail<'static, FREEDOMS, SERVOS, COORDINATES>>;
+type Rig = BoardRig<BODIES, DOFS, SERVOS>;
+type LoopControl = ControlLoop<'static, BODIES, DOFS, SERVOS, COORDINATES>;
+type OwnMail = Locked<Mail<'static, DOFS, SERVOS, COORDINATES>>;
 type OwnWiring = Wiring<LINES, SERVOS>;
 
 #[expect(clippy::cast_possible_truncation, reason = "they are small")]
@@ -115,7 +113,7 @@ impl Safety for Pins {
     }
     fn enable_outputs(&mut self, on: bool) {
         self.outputs.set_level((!on).into());
-        dog::for_outputs(on);
+        watchdog::for_outputs(on);
     }
     fn feed(&mut self, tick: Complete) {
         self.watchdog.feed(tick);
@@ -166,11 +164,11 @@ fn TIM3() {
 }
 
 /// The board as link and storage see it.
-struct Desktop {
+struct HostPort {
     link: Serial,
 }
 
-impl Port<'static> for Desktop {
+impl Port<'static> for HostPort {
     fn now_us(&self) -> u64 {
         clock::now_us()
     }
@@ -239,7 +237,7 @@ struct ReadBack {
     store: Store<Chip>,
     settings: NodeSettings,
     rig: Option<(&'static Rig, u32)>,
-    wired: Option<&'static Wired>,
+    wired: Option<&'static BoardWiring>,
     is_bad: bool,
     start: Start,
     mail: &'static OwnMail,
@@ -264,7 +262,7 @@ fn read_back(flash: Chip, table: BoardTable) -> ReadBack {
 }
 
 /// The lines of a wiring, and what else the loop has of it.
-struct Wired {
+struct BoardWiring {
     lines: &'static RefCell<Lines>,
     places: Vec<Place, LINES>,
     servos: Vec<ServoSetup, SERVOS>,
@@ -272,15 +270,15 @@ struct Wired {
 }
 
 #[inline(never)]
-fn wire(behind: &[u8]) -> Option<&'static Wired> {
-    static WIRED: StaticCell<Wired> = StaticCell::new();
+fn wire(behind: &[u8]) -> Option<&'static BoardWiring> {
+    static WIRED: StaticCell<BoardWiring> = StaticCell::new();
     static LINES_OF_ALL: StaticCell<RefCell<Lines>> = StaticCell::new();
     let wiring = OwnWiring::decode(behind).ok()?;
     let places = places(&wiring)?;
     let lines = LINES_OF_ALL.uninit().write(no_lines());
     wiring.connect(lines.get_mut()).ok()?;
     let (servos, schedule) = (wiring.setups(), wiring.schedule().ok()?);
-    Some(WIRED.init(Wired { lines, places, servos, schedule }))
+    Some(WIRED.init(BoardWiring { lines, places, servos, schedule }))
 }
 
 #[inline(never)]
@@ -311,7 +309,7 @@ pub fn run(mut core: cortex_m::Peripherals, mut hardware: Hardware) -> ! {
         capacities: Capacities {
             bodies: rounded(BODIES),
             coordinates: rounded(COORDINATES),
-            dofs: rounded(FREEDOMS),
+            dofs: rounded(DOFS),
             servos: rounded(SERVOS),
             slots: u8::try_from(table.slots.len()).unwrap_or(u8::MAX),
             slot_bytes: table
@@ -324,16 +322,16 @@ pub fn run(mut core: cortex_m::Peripherals, mut hardware: Hardware) -> ! {
     };
     // Without a loop nothing is told of a rig.
     let setup = Setup { about, settings, is_bad, rig: None, tick_s: 0.01, line_bps: link_bps };
-    let mut desk = Below { store, setup, first_session, mail, link, light };
+    let mut desk = BackgroundContext { store, setup, first_session, mail, link, light };
     let Some((rig, wired)) = rig.zip(wired) else {
         // A rig that is stored, and that this board cannot move: what is stored is bad.
         desk.setup.is_bad |= rig.is_some();
         below(desk)
     };
     let of_loop = desk.setup.settings.clone();
-    let pins = Unwatched { outputs, stop, core_hz };
+    let pins = PinsBeforeWatchdog { outputs, stop, core_hz };
     let ports = Ports::new(servos, i2c, wired.places.clone());
-    Control::with(rig.0, &of_loop, &wired.servos, &wired.schedule, start, |control| {
+    ControlLoop::with(rig.0, &of_loop, &wired.servos, &wired.schedule, start, |control| {
         node(control.ok(), rig, wired, ports, pins, desk)
     })
 }
@@ -341,7 +339,7 @@ pub fn run(mut core: cortex_m::Peripherals, mut hardware: Hardware) -> ! {
 const RELEASE: Release = Release { major: 0, minor: 1, patch: 0 };
 
 /// Pins of a loop whose watchdog does not run yet.
-struct Unwatched {
+struct PinsBeforeWatchdog {
     outputs: Output<'static>,
     stop: Input<'static>,
     core_hz: u32,
@@ -352,10 +350,10 @@ struct Unwatched {
 fn node(
     control: Option<&mut LoopControl>,
     rig: (&'static Rig, u32),
-    wired: &'static Wired,
+    wired: &'static BoardWiring,
     mut ports: Ports,
-    pins: Unwatched,
-    mut desk: Below,
+    pins: PinsBeforeWatchdog,
+    mut desk: BackgroundContext,
 ) -> ! {
     let mut own = None;
     let tick_us = wired.schedule.tick_us();
@@ -364,8 +362,8 @@ fn node(
         && is_started(&mut ports)
         && set_timer(reload)
     {
-        let Unwatched { outputs, stop, core_hz } = pins;
-        let pins = Pins { outputs, stop, watchdog: dog::start(), core_hz };
+        let PinsBeforeWatchdog { outputs, stop, core_hz } = pins;
+        let pins = Pins { outputs, stop, watchdog: watchdog::start(), core_hz };
         let asks_us = tick_us.saturating_sub(desk.setup.settings.controller.compute_us);
         let own =
             own.insert(Loop { control, lines: wired.lines, ports, pins, mail: desk.mail, asks_us });
@@ -424,9 +422,9 @@ fn start_timer() {
 }
 
 /// What is below the loop.
-struct Below {
+struct BackgroundContext {
     store: Store<Chip>,
-    setup: Setup<'static, BODIES, FREEDOMS, SERVOS>,
+    setup: Setup<'static, BODIES, DOFS, SERVOS>,
     first_session: u16,
     mail: &'static OwnMail,
     link: Serial,
@@ -434,9 +432,11 @@ struct Below {
 }
 
 /// The desk and the light, until the next reset.
-fn below(Below { store, setup, first_session, mail, link, mut light }: Below) -> ! {
-    let mut desk = Desk::new(store, setup, first_session);
-    let mut port = Desktop { link };
+fn below(
+    BackgroundContext { store, setup, first_session, mail, link, mut light }: BackgroundContext,
+) -> ! {
+    let mut desk = BackgroundTask::new(store, setup, first_session);
+    let mut port = HostPort { link };
     let mut stack_due_us = 0;
     loop {
         if desk.step(&mut port, mail) == Next::Restart {

@@ -39,7 +39,7 @@ fn number() -> impl Strategy<Value = f32> {
     prop_oneof![-1e6_f32..1e6, -4.0_f32..4.0, Just(0.0), Just(1e6), Just(-1e6)]
 }
 
-fn asked(numbers: &[f32], freedoms: usize) -> Vec<DofCommand> {
+fn asked(numbers: &[f32], dofs: usize) -> Vec<DofCommand> {
     let of = |index: usize| numbers[index % numbers.len()];
     let command = |index: usize| DofCommand {
         position: of(4 * index),
@@ -48,7 +48,7 @@ fn asked(numbers: &[f32], freedoms: usize) -> Vec<DofCommand> {
         feedback_effort: of(4 * index + 3),
         limited: None,
     };
-    (0..freedoms).map(command).collect()
+    (0..dofs).map(command).collect()
 }
 
 fn is_within(rig: &Rig, servo: usize, command: Command) -> Result<(), TestCaseError> {
@@ -84,7 +84,7 @@ fn posed(rig: &Rig, class: u8, numbers: &[f32]) -> (Vec<Condition>, Vec<Option<M
             read(own, 0.0, 0.0)
         })
         .collect();
-    let mut measured = vec![None; rig.freedoms().len()];
+    let mut measured = vec![None; rig.dofs().len()];
     drives(rig, class).measured(&conditions, &mut measured).unwrap();
     (conditions, measured)
 }
@@ -119,7 +119,7 @@ proptest! {
                     condition
                 })
                 .collect();
-            let asked = asked(&commands, rig.freedoms().len());
+            let asked = asked(&commands, rig.dofs().len());
             // What follows from it may be too large for a drive: then nothing is commanded.
             let Ok(()) = drives.step(&asked, &conditions, &mut out) else { continue };
             for (servo, command) in out.iter().enumerate() {
@@ -143,17 +143,17 @@ proptest! {
         let rig = rig(&kinds);
         let mut drives = drives(&rig, class);
         let (conditions, _) = posed(&rig, class, &numbers);
-        let asked = asked(&numbers, rig.freedoms().len());
+        let asked = asked(&numbers, rig.dofs().len());
         let mut first = vec![None; rig.servos().len()];
         drives.step(&asked, &conditions, &mut first).unwrap();
         let (mut worse, mut broken) = (asked.clone(), conditions.clone());
-        let (freedom, servo) = (index % asked.len(), index % conditions.len());
+        let (dof, servo) = (index % asked.len(), index % conditions.len());
         let read = broken[servo].feedback.as_mut().unwrap();
         match place {
-            0 => worse[freedom].position = bad,
-            1 => worse[freedom].velocity = bad,
-            2 => worse[freedom].feedforward_effort = bad,
-            3 => worse[freedom].feedback_effort = bad,
+            0 => worse[dof].position = bad,
+            1 => worse[dof].velocity = bad,
+            2 => worse[dof].feedforward_effort = bad,
+            3 => worse[dof].feedback_effort = bad,
             4 => read.position_rad = bad,
             5 => read.velocity_rad_s = bad,
             6 => read.effort = Effort::Current(bad),
@@ -190,7 +190,7 @@ proptest! {
                 read(rad - Encoder::default().zero_rad, 0.0, 0.0)
             })
             .collect();
-        let mut back = vec![None; rig.freedoms().len()];
+        let mut back = vec![None; rig.dofs().len()];
         drives.measured(&reached, &mut back).unwrap();
         for (back, measured) in back.iter().zip(&measured) {
             let (back, measured) = (back.unwrap().position, measured.unwrap().position);
@@ -209,7 +209,7 @@ proptest! {
         let rig = rig(&kinds);
         let mut drives = drives(&rig, 0);
         let (conditions, measured) = posed(&rig, 0, &numbers);
-        let asked: Vec<_> = (0..rig.freedoms().len())
+        let asked: Vec<_> = (0..rig.dofs().len())
             .map(|index| DofCommand {
                 position: measured[index].unwrap().position,
                 feedforward_effort: efforts[(2 * index) % efforts.len()],
@@ -224,7 +224,7 @@ proptest! {
         }
         // Motions that the servos can make: what the joints then do.
         let moving = moving(&conditions, &speeds);
-        let mut motion = vec![None; rig.freedoms().len()];
+        let mut motion = vec![None; rig.dofs().len()];
         drives.measured(&moving, &mut motion).unwrap();
         let of_joints: f32 =
             asked.iter().zip(&motion).map(|(asked, motion)| asked.effort() * motion.unwrap().velocity).sum();
@@ -323,6 +323,6 @@ fn every_kind_of_drive_makes_a_rig() {
         Kind::Ball { rows },
     ];
     let rig = rig(&all);
-    assert_eq!((rig.drives().len(), rig.servos().len(), rig.freedoms().len()), (8, 12, 12));
+    assert_eq!((rig.drives().len(), rig.servos().len(), rig.dofs().len()), (8, 12, 12));
     assert_eq!(drives(&rig, 1).servos().len(), 12);
 }

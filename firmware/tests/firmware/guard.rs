@@ -239,7 +239,7 @@ proptest! {
                 position: of(0), velocity: of(1), feedforward_effort: of(2), feedback_effort: of(3),
                 limited: None,
             };
-            drives.step(&vec![asked; rig.freedoms().len()], &conditions, &mut commands).unwrap();
+            drives.step(&vec![asked; rig.dofs().len()], &conditions, &mut commands).unwrap();
             for ((guard, condition), command) in guards.iter_mut().zip(&mut conditions).zip(&commands) {
                 let Some(servo) = command else { continue };
                 let guarded = guard.check(servo.command, condition.feedback, &FREE);

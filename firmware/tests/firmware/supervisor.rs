@@ -111,7 +111,7 @@ fn arming_says_what_is_missing() {
         "servo 2: Operating Mode (11) is 3, it must be 0: `sinew servo apply` sets it"
     );
     let moving = refused(|inputs| {
-        inputs.moving = Some(Moving { freedom: 2, mrad_s: 1250, most_mrad_s: 349 });
+        inputs.moving = Some(Moving { dof: 2, mrad_s: 1250, most_mrad_s: 349 });
     });
     assert_eq!(
         moving.to_string(),
@@ -314,7 +314,7 @@ prop_compose! {
         let uploaded = if uploaded { FaultSet::OF_SHOW } else { FaultSet::EMPTY };
         let inputs = Inputs {
             now_us: 0, heard, command, findings, uploaded, measured, registers, stop_tested, feeds,
-            carries: !is_slow, is_there, moving: moves.then_some(Moving { freedom: 0, mrad_s: 500, most_mrad_s: 349 }),
+            carries: !is_slow, is_there, moving: moves.then_some(Moving { dof: 0, mrad_s: 500, most_mrad_s: 349 }),
         };
         if is_slow { (inputs, step_us, 1) } else { (inputs, TICK_US, ticks) }
     }

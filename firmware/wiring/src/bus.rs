@@ -1,18 +1,18 @@
 //! The bus of one line, whoever made its servos.
 
-use sinew_servo_bus::settings::Demand;
+use sinew_servo_bus::settings::ServoRequirements;
 use sinew_servo_bus::{
     Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
     dynamixel, feetech, pca9685,
 };
 
-/// The bus of one line of at most `S` servos.
+/// The bus of one line of at most `SERVOS` servos.
 #[derive(Debug, Clone)]
-pub enum Bus<const S: usize> {
+pub enum Bus<const SERVOS: usize> {
     /// Of Dynamixel servos.
-    Dynamixel(dynamixel::Bus<S>),
+    Dynamixel(dynamixel::Bus<SERVOS>),
     /// Of Feetech servos.
-    Feetech(feetech::Bus<S>),
+    Feetech(feetech::Bus<SERVOS>),
     /// Of hobby servos: what it plans are I2C writes.
     Pca9685(pca9685::Bus),
 }
@@ -27,7 +27,7 @@ macro_rules! of {
     };
 }
 
-impl<const S: usize> ServoBus for Bus<S> {
+impl<const SERVOS: usize> ServoBus for Bus<SERVOS> {
     fn len(&self) -> usize {
         of!(self, bus => bus.len())
     }
@@ -43,7 +43,7 @@ impl<const S: usize> ServoBus for Bus<S> {
     fn reply(&mut self, bytes: &[u8]) -> bool {
         of!(self, bus => bus.reply(bytes))
     }
-    fn compare(&mut self, asked: Option<(usize, Demand)>) {
+    fn compare(&mut self, asked: Option<(usize, ServoRequirements)>) {
         of!(self, bus => bus.compare(asked));
     }
     fn compared(&self) -> Compared {

@@ -25,6 +25,6 @@ mod remote;
 mod wiring;
 
 pub use bus::Bus;
-pub use line::{Dynamixel, Line, OnLine, Protocol, Pulses, Servo};
+pub use line::{Dynamixel, Line, LineServo, Protocol, Pulses, Servo};
 pub use lines::{AllLines, Lines};
 pub use wiring::{LINES, Wiring, WiringError};

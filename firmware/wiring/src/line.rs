@@ -52,7 +52,7 @@ pub struct Servo {
     /// Its line.
     pub line: usize,
     /// What it is there.
-    pub on_line: OnLine,
+    pub on_line: LineServo,
     /// What the controller knows of it.
     #[serde(with = "ServoSetupOf")]
     pub setup: ServoSetup,
@@ -60,7 +60,7 @@ pub struct Servo {
 
 /// What a servo is on its line.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub enum OnLine {
+pub enum LineServo {
     /// A Dynamixel.
     Dynamixel(Dynamixel),
     /// A Feetech.
@@ -112,24 +112,24 @@ impl Line {
     ///
     /// # Errors
     /// [`WiringError`] names the servo that cannot be on it.
-    pub fn bus<const S: usize>(
+    pub fn bus<const SERVOS: usize>(
         &self,
-        servos: impl Iterator<Item = OnLine>,
+        servos: impl Iterator<Item = LineServo>,
         rate_hz: u32,
-    ) -> Result<Bus<S>, WiringError> {
+    ) -> Result<Bus<SERVOS>, WiringError> {
         match self.protocol {
             Protocol::Dynamixel(settings) => {
-                let setups = all::<_, S>(servos.map(OnLine::dynamixel))?;
+                let setups = all::<_, SERVOS>(servos.map(LineServo::dynamixel))?;
                 let bus = dynamixel::Bus::new(&setups, self.schedule(rate_hz)?, settings);
                 bus.map(Bus::Dynamixel).map_err(WiringError::Setup)
             }
             Protocol::Feetech(settings) => {
-                let setups = all::<_, S>(servos.map(OnLine::feetech))?;
+                let setups = all::<_, SERVOS>(servos.map(LineServo::feetech))?;
                 let bus = feetech::Bus::new(&setups, self.schedule(rate_hz)?, settings);
                 bus.map(Bus::Feetech).map_err(WiringError::Setup)
             }
             Protocol::Pca9685(pulses) => {
-                let setups = all::<_, S>(servos.map(OnLine::channel))?;
+                let setups = all::<_, SERVOS>(servos.map(LineServo::channel))?;
                 let bus = pca9685::Bus::new(&setups, pulses.prescale()?, self.timing.baud);
                 bus.map(Bus::Pca9685).map_err(WiringError::Setup)
             }
@@ -140,22 +140,22 @@ impl Line {
     ///
     /// # Errors
     /// As [`Self::bus`].
-    pub fn check<const S: usize>(
+    pub fn check<const SERVOS: usize>(
         &self,
-        servos: impl Iterator<Item = OnLine>,
+        servos: impl Iterator<Item = LineServo>,
         rate_hz: u32,
     ) -> Result<(), WiringError> {
         let checked = match self.protocol {
             Protocol::Dynamixel(_) => {
-                let setups = all::<_, S>(servos.map(OnLine::dynamixel))?;
-                dynamixel::Bus::<S>::check(&setups, &self.schedule(rate_hz)?)
+                let setups = all::<_, SERVOS>(servos.map(LineServo::dynamixel))?;
+                dynamixel::Bus::<SERVOS>::check(&setups, &self.schedule(rate_hz)?)
             }
             Protocol::Feetech(settings) => {
-                let setups = all::<_, S>(servos.map(OnLine::feetech))?;
-                feetech::Bus::<S>::check(&setups, &self.schedule(rate_hz)?, settings)
+                let setups = all::<_, SERVOS>(servos.map(LineServo::feetech))?;
+                feetech::Bus::<SERVOS>::check(&setups, &self.schedule(rate_hz)?, settings)
             }
             Protocol::Pca9685(pulses) => {
-                let setups = all::<_, S>(servos.map(OnLine::channel))?;
+                let setups = all::<_, SERVOS>(servos.map(LineServo::channel))?;
                 pca9685::Bus::new(&setups, pulses.prescale()?, self.timing.baud).map(drop)
             }
         };
@@ -163,7 +163,7 @@ impl Line {
     }
 }
 
-impl OnLine {
+impl LineServo {
     fn dynamixel(self) -> Result<dynamixel::ServoSetup, WiringError> {
         let Self::Dynamixel(own) = self else { return Err(WiringError::Protocol) };
         own.setup()
@@ -191,12 +191,12 @@ impl Pulses {
 }
 
 /// All of them, if there is room.
-fn all<T, const S: usize>(
+fn all<T, const SERVOS: usize>(
     items: impl Iterator<Item = Result<T, WiringError>>,
-) -> Result<Vec<T, S>, WiringError> {
+) -> Result<Vec<T, SERVOS>, WiringError> {
     let mut all = Vec::new();
     for item in items {
-        all.push(item?).map_err(|_| WiringError::Servos { holds: S })?;
+        all.push(item?).map_err(|_| WiringError::Servos { holds: SERVOS })?;
     }
     Ok(all)
 }

@@ -3,24 +3,24 @@
 use core::cell::RefCell;
 
 use heapless::Vec;
-use sinew_servo_bus::settings::Demand;
+use sinew_servo_bus::settings::ServoRequirements;
 use sinew_servo_bus::{
     Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
 };
 
-/// At most `L` lines with `S` servos together.
+/// At most `L` lines with `SERVOS` servos together.
 #[derive(Debug)]
-pub struct Lines<B, const L: usize, const S: usize> {
+pub struct Lines<B, const L: usize, const SERVOS: usize> {
     buses: Vec<B, L>,
     /// Line and place of each servo.
-    places: Vec<(usize, usize), S>,
+    places: Vec<(usize, usize), SERVOS>,
     /// The line whose servo is compared.
     compared: Option<usize>,
     /// Why a packet of this tick did not go out.
     failed: Option<EncodeError>,
 }
 
-impl<B: ServoBus, const L: usize, const S: usize> Lines<B, L, S> {
+impl<B: ServoBus, const L: usize, const SERVOS: usize> Lines<B, L, SERVOS> {
     /// `line_of`: the line of each servo, in the rig's order. What there is no room for is left out.
     pub fn new(
         lines: impl IntoIterator<Item = B>,
@@ -73,9 +73,11 @@ impl<B: ServoBus, const L: usize, const S: usize> Lines<B, L, S> {
 
 /// The lines as the controller sees them: one bus, which plans nothing by itself.
 #[derive(Debug)]
-pub struct AllLines<'l, B, const L: usize, const S: usize>(pub &'l RefCell<Lines<B, L, S>>);
+pub struct AllLines<'l, B, const L: usize, const SERVOS: usize>(
+    pub &'l RefCell<Lines<B, L, SERVOS>>,
+);
 
-impl<B: ServoBus, const L: usize, const S: usize> ServoBus for AllLines<'_, B, L, S> {
+impl<B: ServoBus, const L: usize, const SERVOS: usize> ServoBus for AllLines<'_, B, L, SERVOS> {
     fn len(&self) -> usize {
         self.0.borrow().places.len()
     }
@@ -100,7 +102,7 @@ impl<B: ServoBus, const L: usize, const S: usize> ServoBus for AllLines<'_, B, L
         true
     }
 
-    fn compare(&mut self, asked: Option<(usize, Demand)>) {
+    fn compare(&mut self, asked: Option<(usize, ServoRequirements)>) {
         let Lines { buses, places, compared, .. } = &mut *self.0.borrow_mut();
         let place = asked.and_then(|(servo, demand)| Some((*places.get(servo)?, demand)));
         *compared = place.map(|((line, _), _)| line);

@@ -7,7 +7,7 @@ use sinew_firmware::node::join_rig;
 use sinew_servo_bus::{Schedule, ScheduleError, SetupError};
 use thiserror::Error;
 
-use crate::{Bus, Line, Lines, OnLine, Servo};
+use crate::{Bus, Line, LineServo, Lines, Servo};
 
 /// Lines that a rig is told with at most; boards hold fewer.
 pub const LINES: usize = 4;
@@ -15,9 +15,9 @@ pub const LINES: usize = 4;
 /// Version of the bytes.
 const VERSION: u8 = 1;
 
-/// How a rig of at most `S` servos hangs on its board, of at most `L` lines.
+/// How a rig of at most `SERVOS` servos hangs on its board, of at most `L` lines.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Wiring<const L: usize, const S: usize> {
+pub struct Wiring<const L: usize, const SERVOS: usize> {
     /// Ticks a second.
     pub rate_hz: u32,
     /// The line whose schedule the controller goes by.
@@ -27,7 +27,7 @@ pub struct Wiring<const L: usize, const S: usize> {
     /// The lines.
     pub lines: Vec<Line, L>,
     /// The servos, in the rig's order.
-    pub servos: Vec<Servo, S>,
+    pub servos: Vec<Servo, SERVOS>,
 }
 
 /// Why a wiring is refused.
@@ -68,7 +68,7 @@ pub enum WiringError {
     Setup(SetupError),
 }
 
-impl<const L: usize, const S: usize> Wiring<L, S> {
+impl<const L: usize, const SERVOS: usize> Wiring<L, SERVOS> {
     /// Writes it behind the `len` bytes of a rig's compact form that `item` begins with, and says how long the whole
     /// item is. None if there is no room.
     #[must_use]
@@ -101,7 +101,7 @@ impl<const L: usize, const S: usize> Wiring<L, S> {
             wiring.lines.push(take(&mut bytes)?).map_err(|_| WiringError::Line)?;
         }
         for _ in 0..take::<usize>(&mut bytes)? {
-            let full = WiringError::Servos { holds: S };
+            let full = WiringError::Servos { holds: SERVOS };
             wiring.servos.push(take(&mut bytes)?).map_err(|_| full)?;
         }
         if bytes.is_empty() { Ok(wiring) } else { Err(WiringError::Bytes) }
@@ -113,7 +113,7 @@ impl<const L: usize, const S: usize> Wiring<L, S> {
     }
 
     /// What a controller knows of each servo.
-    pub fn setups(&self) -> Vec<ServoSetup, S> {
+    pub fn setups(&self) -> Vec<ServoSetup, SERVOS> {
         self.servos.iter().map(|servo| servo.setup).collect()
     }
 
@@ -131,12 +131,12 @@ impl<const L: usize, const S: usize> Wiring<L, S> {
     /// [`WiringError`] names what cannot be on it.
     // Not within its caller: a bus is large, and where several are made, one is on the stack at a time.
     #[inline(never)]
-    pub fn bus(&self, line: usize) -> Result<Bus<S>, WiringError> {
+    pub fn bus(&self, line: usize) -> Result<Bus<SERVOS>, WiringError> {
         self.lines.get(line).ok_or(WiringError::Line)?.bus(self.on_line(line), self.rate_hz)
     }
 
     /// The servos of a line.
-    fn on_line(&self, line: usize) -> impl Iterator<Item = OnLine> {
+    fn on_line(&self, line: usize) -> impl Iterator<Item = LineServo> {
         let own = self.servos.iter().filter(move |servo| servo.line == line);
         own.map(|servo| servo.on_line)
     }
@@ -151,14 +151,14 @@ impl<const L: usize, const S: usize> Wiring<L, S> {
         }
         self.schedule()?;
         let mut lines = self.lines.iter().enumerate();
-        lines.try_for_each(|(index, line)| line.check::<S>(self.on_line(index), self.rate_hz))
+        lines.try_for_each(|(index, line)| line.check::<SERVOS>(self.on_line(index), self.rate_hz))
     }
 
     /// Puts the buses of all lines, and their servos, into lines that have none.
     ///
     /// # Errors
     /// As [`Self::check`].
-    pub fn connect(&self, lines: &mut Lines<Bus<S>, L, S>) -> Result<(), WiringError> {
+    pub fn connect(&self, lines: &mut Lines<Bus<SERVOS>, L, SERVOS>) -> Result<(), WiringError> {
         self.check()?;
         for line in 0..self.lines.len() {
             lines.add(self.bus(line)?);

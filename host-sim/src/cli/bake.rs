@@ -190,7 +190,7 @@ fn head(args: &Args, rig: &Loaded, performed: &Performed, baked: &Baked) -> Stri
         performed.name,
         rig.description.name,
         baked.duration_s,
-        baked.freedoms,
+        baked.dofs,
         written.bytes.len(),
         written.knots,
         written.angles.largest.to_degrees(),

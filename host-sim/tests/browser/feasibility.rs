@@ -31,10 +31,10 @@ fn a_builder_sees_what_a_show_asks_of_a_rig() {
     let mechanism = description.mechanism().unwrap();
     let servos = Servos::of(&description, &mechanism).unwrap();
     let limits = Limits::of(&mechanism, &servos);
-    let motion = motion(&mechanism, limits.freedoms[0].speed);
+    let motion = motion(&mechanism, limits.dofs[0].speed);
     let curve = Curve::new(&mechanism, &motion).unwrap();
     let report = check(&mechanism, &limits, &curve, 250.0).unwrap();
-    assert!(report.excesses.iter().any(|excess| excess.freedom == 0));
+    assert!(report.excesses.iter().any(|excess| excess.dof == 0));
     let page = Feasibility {
         rig: &description.name,
         // A name that would be taken for markup, were it not escaped.

@@ -81,7 +81,7 @@ fn it_plays_and_stops(page: &Page) {
 /// Numbers go through 16 bits and one decimal, and come out as they were.
 fn the_plots_say_what_was_recorded(page: &Page, recording: &Recording, parts: &[Part]) {
     let joint = recording.joints().iter().position(|name| name == "bend2").unwrap();
-    let chosen = page.ask("RIG.freedoms.findIndex(({ name }) => name === 'bend2')");
+    let chosen = page.ask("RIG.dofs.findIndex(({ name }) => name === 'bend2')");
     choose(page, usize::try_from(chosen.as_u64().unwrap()).unwrap());
     // A sample is 10 ticks of 2 ms; the row of time t is the tick that ended then.
     for row in [0, 800, 900, 1000, 1200] {

@@ -61,13 +61,13 @@ fn sliders_and_the_view_go_by_keyboard(page: &Page) {
 
 /// The page computes loads by itself: in the worst poses they are what the check has found.
 fn loads_are_those_of_the_check(page: &Page, review: &Review) {
-    for (index, freedom) in review.by_freedom.iter().enumerate() {
+    for (index, dof) in review.by_dof.iter().enumerate() {
         page.ask(&format!("document.querySelectorAll('#sliders button')[{index}].click()"));
         page.settle();
         let load =
             page.ask(&format!("document.querySelectorAll('#sliders .load')[{index}].textContent"));
         let load: f64 = load.as_str().unwrap().split(' ').next().unwrap().parse().unwrap();
         // Three decimals are shown.
-        assert!((load.abs() - freedom.gravity_effort).abs() <= 5.1e-4, "{}: {load}", freedom.name);
+        assert!((load.abs() - dof.gravity_effort).abs() <= 5.1e-4, "{}: {load}", dof.name);
     }
 }

@@ -87,7 +87,7 @@ fn eight_servos_of_a_face_follow_by_curves() {
     let bytes = std::fs::read(&show).unwrap();
     let show = Show::open(&bytes).unwrap();
     let mut player = Player::<64>::new(show).unwrap();
-    let (nq, nv) = (show.channel_count(), show.degrees_of_freedom());
+    let (nq, nv) = (show.channel_count(), show.dof_count());
     // In the middle of the clip all are where their curves end, but for what the show rounds.
     let (mut q, mut qd, mut qdd) = (vec![0.0; nq], vec![0.0; nv], vec![0.0; nv]);
     let middle = show.position_at_us(super::whole_us(f64::from(show.duration_s()) / 2.0));

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::{Freedom, GRAVITY_M_S2, Pose};
+use sinew_rig::mechanism::{GRAVITY_M_S2, JointModel, Pose};
 use sinew_show::{Player, Show};
 
 /// Time between the positions that are differenced, s: roundings of f32 make 0.02 rad/s² of it.
@@ -15,7 +15,7 @@ const ROOM: f64 = 0.01;
 pub(crate) fn exceeds_nothing(mechanism: &Mechanism, bytes: &[u8]) {
     let show = Show::open(bytes).unwrap();
     let mut player = Player::<256>::new(show).unwrap();
-    let (nq, nv) = (show.channel_count(), show.degrees_of_freedom());
+    let (nq, nv) = (show.channel_count(), show.dof_count());
     // Behind its end a loop goes on.
     let behind_s = if show.is_loop() { 0.1 } else { 0.0 };
     let end_s = f64::from(show.duration_s()) + behind_s;
@@ -30,7 +30,7 @@ pub(crate) fn exceeds_nothing(mechanism: &Mechanism, bytes: &[u8]) {
         let [before, now, after] = [time_s - H_S, time_s, time_s + H_S].map(&mut at);
         let mut motion = Vec::new();
         for (link, range) in mechanism.bodies.iter().zip(mechanism.coordinate_ranges()) {
-            let Freedom::Revolute(_) = link.joint else {
+            let JointModel::Revolute(_) = link.joint else {
                 assert!(range.is_empty(), "{}: only hinges are looked at", link.joint_name);
                 motion.push([0.0; 2]);
                 continue;
@@ -84,7 +84,7 @@ fn efforts(mechanism: &Mechanism, q: &[f64], motion: &[[f64; 2]]) -> Vec<f64> {
             continue;
         };
         let axis = match link.joint {
-            Freedom::Revolute(axis) => poses[body].rotation * axis,
+            JointModel::Revolute(axis) => poses[body].rotation * axis,
             _ => DVec3::ZERO,
         };
         let [w, dw, a] = moving[parent];
@@ -113,7 +113,7 @@ fn efforts(mechanism: &Mechanism, q: &[f64], motion: &[[f64; 2]]) -> Vec<f64> {
         }
     }
     let of_joint = |(body, link): (usize, &sinew_rig::mechanism::Link)| match link.joint {
-        Freedom::Revolute(axis) => {
+        JointModel::Revolute(axis) => {
             let [speed, acceleration] = motion[body];
             let dry = link.friction * (speed / 0.01).clamp(-1.0, 1.0);
             (poses[body].rotation * axis).dot(passed[body][0])

@@ -9,7 +9,7 @@ use std::fs;
 use sinew_bit_parity::replay::{METHODS, hash, ticks, tree};
 use sinew_figure::BODY_COUNT;
 use sinew_show::Show;
-use sinew_tests::figure::{COORDINATES, FREEDOMS, FigureShow, figure_show};
+use sinew_tests::figure::{COORDINATES, DOFS, FigureShow, figure_show};
 
 /// How long the show is, s.
 const SECONDS: f64 = 21.0;
@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let FigureShow { rig, show } = figure_show(SECONDS);
     fs::write(rig_file, &rig)?;
     fs::write(show_file, &show)?;
-    let (tree, show) = (tree::<BODY_COUNT, FREEDOMS>(&rig)?, Show::open(&show)?);
+    let (tree, show) = (tree::<BODY_COUNT, DOFS>(&rig)?, Show::open(&show)?);
     show.check_rig(rig.last_chunk().copied().map_or(0, u32::from_le_bytes))?;
     let ticks = ticks(&show);
     for method in METHODS {

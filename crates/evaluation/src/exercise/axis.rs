@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
 
 use glam::DQuat;
-use sinew_rig::mechanism::{Freedom, Link};
+use sinew_rig::mechanism::{JointModel, Link};
 
 use super::ExerciseError;
 
@@ -36,7 +36,7 @@ impl Axis {
             let (joint, found) = (link.joint_name.clone(), link.home.clone());
             return Err(ExerciseError::Home { joint, expected, found });
         }
-        let slides = usize::from(matches!(link.joint, Freedom::Prismatic(_)));
+        let slides = usize::from(matches!(link.joint, JointModel::Prismatic(_)));
         let limit = |limit: f64, without: f64| if limit.is_finite() { limit } else { without };
         let axis = |home: f64, range: [f64; 2]| {
             let [least, most] = range;
@@ -50,8 +50,8 @@ impl Axis {
             }
         };
         Ok(match link.joint {
-            Freedom::Fixed | Freedom::Free => Vec::new(),
-            Freedom::Spherical => {
+            JointModel::Fixed | JointModel::Free => Vec::new(),
+            JointModel::Spherical => {
                 let most = link.ranges.first().map_or(BALL_RAD, |range| range[1].min(BALL_RAD));
                 // The corners of the cube that they go through are within the range; so is their speed together.
                 let most = most / f64::sqrt(3.0);

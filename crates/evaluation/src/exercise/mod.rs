@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 use sinew_figure::plant::{PlantError, check_link};
-use sinew_rig::mechanism::{Freedom, Link, Mechanism, Pose};
+use sinew_rig::mechanism::{JointModel, Link, Mechanism, Pose};
 use thiserror::Error;
 
 use super::error::RunError;
@@ -218,11 +218,11 @@ impl Take for Exercise {
 /// Pose of a body in its joint frame at coordinates along its axes.
 fn in_joint(link: &Link, along: [f64; 3]) -> Pose {
     match link.joint {
-        Freedom::Spherical => {
+        JointModel::Spherical => {
             let rotation = DQuat::from_scaled_axis(DVec3::from_array(along));
             Pose { rotation, ..Pose::IDENTITY }
         }
-        Freedom::Free => link.joint.motion(&link.home),
+        JointModel::Free => link.joint.motion(&link.home),
         _ => link.joint.motion(&along),
     }
 }

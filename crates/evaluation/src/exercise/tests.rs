@@ -18,13 +18,13 @@ fn arm(base: DQuat) -> Mechanism {
         ),
     };
     let joints = [
-        (Freedom::Fixed, 1.0, 0.1),
-        (Freedom::Revolute(DVec3::Y), 0.5, 0.1),
-        (Freedom::Revolute(DVec3::X), 0.4, 0.2),
-        (Freedom::Revolute(DVec3::X), 0.3, 0.2),
-        (Freedom::Prismatic(DVec3::Y), 0.2, 0.1),
-        (Freedom::Universal([DVec3::X, DVec3::Z]), 0.1, 0.08),
-        (Freedom::Spherical, 0.1, 0.08),
+        (JointModel::Fixed, 1.0, 0.1),
+        (JointModel::Revolute(DVec3::Y), 0.5, 0.1),
+        (JointModel::Revolute(DVec3::X), 0.4, 0.2),
+        (JointModel::Revolute(DVec3::X), 0.3, 0.2),
+        (JointModel::Prismatic(DVec3::Y), 0.2, 0.1),
+        (JointModel::Universal([DVec3::X, DVec3::Z]), 0.1, 0.08),
+        (JointModel::Spherical, 0.1, 0.08),
     ];
     let mut bodies: Vec<Link> = Vec::new();
     for (index, (joint, mass_kg, length_m)) in joints.into_iter().enumerate() {
@@ -40,15 +40,15 @@ fn arm(base: DQuat) -> Mechanism {
             body.rotation = DQuat::from_rotation_z(0.2);
         }
         match joint {
-            Freedom::Revolute(_) => {
+            JointModel::Revolute(_) => {
                 body.ranges = vec![[-1.5, 1.0]];
                 (body.speed, body.acceleration) = (6.0, 60.0);
             }
-            Freedom::Prismatic(_) => {
+            JointModel::Prismatic(_) => {
                 body.ranges = vec![[0.0, 0.05]];
                 (body.speed, body.acceleration) = (0.2, 3.0);
             }
-            Freedom::Universal(_) => body.ranges = vec![[-0.5, 0.5], [-0.3, 0.7]],
+            JointModel::Universal(_) => body.ranges = vec![[-0.5, 0.5], [-0.3, 0.7]],
             _ => {}
         }
         bodies.push(body);

@@ -4,7 +4,7 @@ use ::nalgebra as na;
 use glam::{DMat3, DQuat, DVec3};
 use thiserror::Error;
 
-use super::{Freedom, Link, Mechanism, MovingPose};
+use super::{JointModel, Link, Mechanism, MovingPose};
 
 /// How far quaternions and axes may be from unit length.
 const UNIT_TOLERANCE: f64 = 1e-6;
@@ -146,9 +146,9 @@ fn body_fault(link: &Link) -> Option<Fault> {
 
 fn joint_fault(link: &Link) -> Option<Fault> {
     let axes: &[DVec3] = match &link.joint {
-        Freedom::Revolute(axis) | Freedom::Prismatic(axis) => std::slice::from_ref(axis),
-        Freedom::Universal(axes) => axes,
-        Freedom::Fixed | Freedom::Spherical | Freedom::Free => &[],
+        JointModel::Revolute(axis) | JointModel::Prismatic(axis) => std::slice::from_ref(axis),
+        JointModel::Universal(axes) => axes,
+        JointModel::Fixed | JointModel::Spherical | JointModel::Free => &[],
     };
     for axis in axes {
         // Written so that NaN is a fault, here and below.
@@ -172,7 +172,9 @@ fn joint_fault(link: &Link) -> Option<Fault> {
             return Some((item, "a finite number from 0", value));
         }
     }
-    if let Freedom::Prismatic(_) | Freedom::Revolute(_) | Freedom::Universal(_) = link.joint {
+    if let JointModel::Prismatic(_) | JointModel::Revolute(_) | JointModel::Universal(_) =
+        link.joint
+    {
         let disordered =
             link.ranges.iter().find(|[least, most]| least > most || (least + most).is_nan());
         if let Some([least, _]) = disordered {
@@ -180,8 +182,8 @@ fn joint_fault(link: &Link) -> Option<Fault> {
         }
     }
     let most_ranges = match link.joint {
-        Freedom::Fixed | Freedom::Free => 0,
-        Freedom::Spherical => 1,
+        JointModel::Fixed | JointModel::Free => 0,
+        JointModel::Spherical => 1,
         _ => axes.len(),
     };
     if link.ranges.len() > most_ranges {

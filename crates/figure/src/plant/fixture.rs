@@ -3,7 +3,7 @@
 use glam::{DMat3, DQuat, DVec3};
 use sinew_host_util::random::{Random, Subject};
 
-use super::{Drive, Freedom, Link, Mechanism, MovingPose, Pose, link};
+use super::{Drive, JointModel, Link, Mechanism, MovingPose, Pose, link};
 use crate::plant::MassProperties;
 
 pub(super) fn solid(
@@ -37,8 +37,8 @@ pub(super) fn hung(mass: MassProperties) -> Mechanism {
     let block = solid(1.0, DVec3::ZERO, DMat3::IDENTITY);
     Mechanism {
         bodies: vec![
-            link(None, Freedom::Fixed, DVec3::ZERO, &block),
-            link(Some(0), Freedom::Spherical, DVec3::ZERO, &mass),
+            link(None, JointModel::Fixed, DVec3::ZERO, &block),
+            link(Some(0), JointModel::Spherical, DVec3::ZERO, &mass),
         ],
         linked: Vec::new(),
     }
@@ -51,7 +51,7 @@ pub(super) fn passive(bodies: usize) -> Drive {
 
 /// A random tree of 18 bodies of 0.5 to 5 kg on ball joints, turning at random against each other at up to 5 rad/s;
 /// the root free or fixed.
-pub(super) fn random_tree(root: Freedom, seed: u64) -> (Mechanism, Vec<MovingPose>) {
+pub(super) fn random_tree(root: JointModel, seed: u64) -> (Mechanism, Vec<MovingPose>) {
     let mut random = Random::new(seed, Subject::Masses);
     let mut vector = |size: f64| DVec3::from_array([(); 3].map(|()| random.between(-size, size)));
     let mut bodies: Vec<Link> = Vec::new();
@@ -77,10 +77,10 @@ pub(super) fn random_tree(root: Freedom, seed: u64) -> (Mechanism, Vec<MovingPos
                 }
             }
         });
-        let joint = if parent.is_some() { Freedom::Spherical } else { root };
+        let joint = if parent.is_some() { JointModel::Spherical } else { root };
         bodies.push(link(parent, joint, offset_m, &mass));
     }
-    if root == Freedom::Fixed {
+    if root == JointModel::Fixed {
         // Seen from the root, which then does not move.
         let root = start[0];
         for body in &mut start {
@@ -104,7 +104,7 @@ pub(super) fn random_torques(seed: u64) -> Drive {
 
 /// The same tree on joints of all kinds, turned in their parents and moving at random.
 pub(super) fn random_tree_of_all_kinds(seed: u64) -> (Mechanism, Vec<MovingPose>) {
-    let (mut mechanism, balls) = random_tree(Freedom::Free, seed);
+    let (mut mechanism, balls) = random_tree(JointModel::Free, seed);
     let mut random = Random::new(seed, Subject::Dimensions);
     let mut vector = |size: f64| DVec3::from_array([(); 3].map(|()| random.between(-size, size)));
     let mut start: Vec<MovingPose> = Vec::new();
@@ -116,30 +116,30 @@ pub(super) fn random_tree_of_all_kinds(seed: u64) -> (Mechanism, Vec<MovingPose>
         let axis = vector(1.0).normalize();
         let second = axis.any_orthonormal_vector();
         link.joint = match index % 6 {
-            0 => Freedom::Fixed,
-            1 => Freedom::Revolute(axis),
-            2 => Freedom::Prismatic(axis),
-            3 => Freedom::Universal([axis, second]),
-            4 => Freedom::Spherical,
-            _ => Freedom::Free,
+            0 => JointModel::Fixed,
+            1 => JointModel::Revolute(axis),
+            2 => JointModel::Prismatic(axis),
+            3 => JointModel::Universal([axis, second]),
+            4 => JointModel::Spherical,
+            _ => JointModel::Free,
         };
         link.rotation = DQuat::from_scaled_axis(vector(1.5));
         let (along, speeds) = (vector(1.0), vector(2.0));
         let mut in_joint = link.joint.motion(&[along.x, 0.3 * along.y]);
         // Against the joint frame: angular velocity and velocity.
         let (spin, slide) = match link.joint {
-            Freedom::Fixed => (DVec3::ZERO, DVec3::ZERO),
-            Freedom::Revolute(axis) => (axis * speeds.x, DVec3::ZERO),
-            Freedom::Prismatic(axis) => (DVec3::ZERO, axis * speeds.x),
-            Freedom::Universal([first, second]) => {
+            JointModel::Fixed => (DVec3::ZERO, DVec3::ZERO),
+            JointModel::Revolute(axis) => (axis * speeds.x, DVec3::ZERO),
+            JointModel::Prismatic(axis) => (DVec3::ZERO, axis * speeds.x),
+            JointModel::Universal([first, second]) => {
                 let turned = DQuat::from_axis_angle(first, along.x) * second;
                 (first * speeds.x + turned * speeds.y, DVec3::ZERO)
             }
-            Freedom::Spherical => {
+            JointModel::Spherical => {
                 in_joint.rotation = DQuat::from_scaled_axis(along);
                 (speeds, DVec3::ZERO)
             }
-            Freedom::Free => {
+            JointModel::Free => {
                 in_joint =
                     Pose { rotation: DQuat::from_scaled_axis(along), position_m: 0.2 * along };
                 (speeds, vector(1.0))

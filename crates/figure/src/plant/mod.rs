@@ -20,7 +20,7 @@ pub use check::check_link;
 pub use mass_properties::MassProperties;
 pub use rapier::{EngineSettings, RapierPlant};
 pub use sinew_rig::mechanism::GRAVITY_M_S2;
-pub use sinew_rig::mechanism::{Freedom, Link, Mechanism, Pose};
+pub use sinew_rig::mechanism::{JointModel, Link, Mechanism, Pose};
 
 /// Which plant, and how its steps are cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -107,7 +107,7 @@ pub struct MovingPose {
 /// ranges, limits or rotor.
 pub fn link(
     parent: Option<usize>,
-    joint: Freedom,
+    joint: JointModel,
     position_m: DVec3,
     mass: &MassProperties,
 ) -> Link {

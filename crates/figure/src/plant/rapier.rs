@@ -18,7 +18,7 @@ use rapier3d_f64::prelude::{
 
 use super::check::check;
 use super::{
-    Drive, Freedom, GRAVITY_M_S2, Link as Given, Mechanism, MovingPose, Plant, PlantError,
+    Drive, GRAVITY_M_S2, JointModel, Link as Given, Mechanism, MovingPose, Plant, PlantError,
     Pose as BodyPose,
 };
 pub use settings::EngineSettings;
@@ -46,7 +46,7 @@ pub struct RapierPlant {
 struct Link {
     handle: RigidBodyHandle,
     parent: Option<usize>,
-    joint: Freedom,
+    joint: JointModel,
     /// Rotation of the joint frame in the parent's.
     placement: DQuat,
     /// About the centre of mass, body axes.
@@ -97,7 +97,7 @@ impl RapierPlant {
         for (index, (body, start)) in bodies.iter().zip(start).enumerate() {
             plant.insert(index, body, start)?;
         }
-        if mechanism.bodies[0].joint == Freedom::Fixed
+        if mechanism.bodies[0].joint == JointModel::Fixed
             && let Some(root) = plant.links.first()
         {
             plant.bodies[root.handle].set_body_type(RigidBodyType::Fixed, true);
@@ -223,12 +223,12 @@ impl Link {
             axis * axis.dot(v)
         };
         match self.joint {
-            Freedom::Revolute(axis) => (along(axis, torque_nm), DVec3::ZERO),
-            Freedom::Prismatic(axis) => (DVec3::ZERO, along(axis, force_n)),
-            Freedom::Fixed => (DVec3::ZERO, DVec3::ZERO),
+            JointModel::Revolute(axis) => (along(axis, torque_nm), DVec3::ZERO),
+            JointModel::Prismatic(axis) => (DVec3::ZERO, along(axis, force_n)),
+            JointModel::Fixed => (DVec3::ZERO, DVec3::ZERO),
             // Universal joints are refused.
-            Freedom::Spherical | Freedom::Universal(_) => (torque_nm, DVec3::ZERO),
-            Freedom::Free => (torque_nm, force_n),
+            JointModel::Spherical | JointModel::Universal(_) => (torque_nm, DVec3::ZERO),
+            JointModel::Free => (torque_nm, force_n),
         }
     }
 }
@@ -240,18 +240,18 @@ fn not_simulated(body: &Given) -> Option<&'static str> {
         // In maximal coordinates there is none that the rotor's turns are of.
         return Some("a rotor has inertia");
     }
-    let bolted = body.joint == Freedom::Fixed && body.parent.is_none();
+    let bolted = body.joint == JointModel::Fixed && body.parent.is_none();
     if !bolted && (body.mass_kg == 0.0 || body.inertia_kg_m2.determinant() <= 0.0) {
         return Some("a body without mass or extent");
     }
     match (body.joint, body.parent) {
-        (Freedom::Universal(_), _) => Some("a universal joint"),
-        (Freedom::Fixed | Freedom::Free, None) => None,
+        (JointModel::Universal(_), _) => Some("a universal joint"),
+        (JointModel::Fixed | JointModel::Free, None) => None,
         (_, None) => Some("a root that is neither bolted nor free"),
-        (Freedom::Spherical | Freedom::Free, _) if held => {
+        (JointModel::Spherical | JointModel::Free, _) if held => {
             Some("friction or a range of a joint of more than one axis")
         }
-        (Freedom::Revolute(_) | Freedom::Prismatic(_), _)
+        (JointModel::Revolute(_) | JointModel::Prismatic(_), _)
             if body.friction > 0.0 && body.damping > 0.0 =>
         {
             Some("a joint has both kinds of friction")
@@ -265,19 +265,19 @@ fn not_simulated(body: &Given) -> Option<&'static str> {
 fn engine_joint(body: &Given) -> Option<GenericJoint> {
     let at = vector(body.position_m);
     let (axis, locked, free) = match body.joint {
-        Freedom::Free => return None,
-        Freedom::Spherical | Freedom::Universal(_) => {
+        JointModel::Free => return None,
+        JointModel::Spherical | JointModel::Universal(_) => {
             let joint = SphericalJointBuilder::new()
                 .local_anchor1(at)
                 .local_anchor2(Vector::ZERO)
                 .contacts_enabled(false);
             return Some(joint.build().into());
         }
-        Freedom::Fixed => (DVec3::X, JointAxesMask::LOCKED_FIXED_AXES, None),
-        Freedom::Revolute(axis) => {
+        JointModel::Fixed => (DVec3::X, JointAxesMask::LOCKED_FIXED_AXES, None),
+        JointModel::Revolute(axis) => {
             (axis, JointAxesMask::LOCKED_REVOLUTE_AXES, Some(JointAxis::AngX))
         }
-        Freedom::Prismatic(axis) => {
+        JointModel::Prismatic(axis) => {
             (axis, JointAxesMask::LOCKED_PRISMATIC_AXES, Some(JointAxis::LinX))
         }
     };

@@ -52,7 +52,7 @@ fn a_bolted_root_stays_and_bears_a_pendulum() {
 
 /// Largest distance of a body from where the exact plant has it, after 0.1 s.
 fn distance_from_exact(kind: PlantKind, steps: u32) -> f64 {
-    let (mechanism, start) = random_tree(Freedom::Free, 11);
+    let (mechanism, start) = random_tree(JointModel::Free, 11);
     let drive = random_torques(11);
     let [exact, plant] = [(PlantKind::Articulated, 5000), (kind, steps)].map(|(kind, steps)| {
         let mut plant = build(kind, &mechanism, &start, 0.1 / f64::from(steps));
@@ -76,7 +76,7 @@ fn all_plants_go_to_the_same_motion_with_the_step() {
 
 #[test]
 fn what_is_no_tree_is_refused() {
-    let (tree, start) = random_tree(Freedom::Free, 12);
+    let (tree, start) = random_tree(JointModel::Free, 12);
     let refused = |mechanism: &Mechanism, start: &[MovingPose], expected: PlantError| {
         for kind in PlantKind::value_variants() {
             let settings = PlantSettings { kind: *kind, substeps: 1 };
@@ -94,7 +94,7 @@ fn what_is_no_tree_is_refused() {
 
 #[test]
 fn no_plant_cuts_a_step_in_no_parts() {
-    let (mechanism, start) = random_tree(Freedom::Free, 13);
+    let (mechanism, start) = random_tree(JointModel::Free, 13);
     for kind in PlantKind::value_variants() {
         let settings = PlantSettings { kind: *kind, substeps: 0 };
         assert_eq!(settings.build(&mechanism, &start, 0.01).err(), Some(PlantError::NoSubsteps));
@@ -104,14 +104,18 @@ fn no_plant_cuts_a_step_in_no_parts() {
 #[test]
 fn numbers_that_no_machine_has_are_refused_by_name() {
     type Change = fn(&mut Mechanism, &mut [MovingPose], f64);
-    let (tree, start) = random_tree(Freedom::Free, 13);
+    let (tree, start) = random_tree(JointModel::Free, 13);
     let changes: [(&str, Change, &[f64]); 13] = [
         ("position_m", |tree, _, x| tree.bodies[3].position_m.y = x, &[]),
         ("rotation", |tree, _, x| tree.bodies[3].rotation.w = x, &[3.0, -2.0]),
         ("mass_kg", |tree, _, x| tree.bodies[3].mass_kg = x, &[-1.0]),
         ("center_of_mass_m", |tree, _, x| tree.bodies[3].center_of_mass_m.z = x, &[]),
         ("inertia_kg_m2", |tree, _, x| tree.bodies[3].inertia_kg_m2.x_axis.x = x, &[-1.0, 1e9]),
-        ("axis", |tree, _, x| tree.bodies[3].joint = Freedom::Revolute(DVec3::X * x), &[0.0, 2.0]),
+        (
+            "axis",
+            |tree, _, x| tree.bodies[3].joint = JointModel::Revolute(DVec3::X * x),
+            &[0.0, 2.0],
+        ),
         ("rotor_inertia", |tree, _, x| tree.bodies[3].rotor_inertia = x, &[-1.0]),
         ("friction", |tree, _, x| tree.bodies[3].friction = x, &[-1.0]),
         ("damping", |tree, _, x| tree.bodies[3].damping = x, &[-1.0]),
@@ -157,7 +161,7 @@ fn descriptions_tell_what_runs() {
 
 #[test]
 fn a_passive_step_is_the_same_again() {
-    let (mechanism, start) = random_tree(Freedom::Free, 14);
+    let (mechanism, start) = random_tree(JointModel::Free, 14);
     for kind in PlantKind::value_variants() {
         let [one, two] = [(); 2].map(|()| {
             let mut plant = build(*kind, &mechanism, &start, 0.01);
@@ -173,8 +177,8 @@ fn mixed(seed: u64) -> (Mechanism, Vec<MovingPose>) {
     let (mut mechanism, mut start) = random_tree_of_all_kinds(seed);
     // A universal joint is no more than a hinge about its first axis here.
     for link in &mut mechanism.bodies {
-        if let Freedom::Universal([first, _]) = link.joint {
-            link.joint = Freedom::Revolute(first);
+        if let JointModel::Universal([first, _]) = link.joint {
+            link.joint = JointModel::Revolute(first);
         }
     }
     for state in &mut start {
@@ -212,7 +216,7 @@ fn the_engine_sticks_and_stops() {
     let bob = solid(2.0, DVec3::new(0.0, -0.3, 0.0), diagonal(0.04, 0.02, 0.05));
     let mut mechanism = hung(bob);
     let hinge = &mut mechanism.bodies[1];
-    hinge.joint = Freedom::Revolute(DVec3::Z);
+    hinge.joint = JointModel::Revolute(DVec3::Z);
     hinge.friction = 1.0;
     hinge.ranges = vec![[-0.2, 0.3]];
     let start = [at_rest(DVec3::ZERO, DQuat::IDENTITY); 2];
@@ -236,15 +240,15 @@ fn what_the_engine_does_not_simulate_is_refused_in_words() {
     type Change = fn(&mut Link);
     let changes: [(&str, Change); 4] = [
         ("rotor", |link| link.rotor_inertia = 0.01),
-        ("universal", |link| link.joint = Freedom::Universal([DVec3::X, DVec3::Y])),
+        ("universal", |link| link.joint = JointModel::Universal([DVec3::X, DVec3::Y])),
         ("more than one axis", |link| link.friction = 0.1),
         ("both kinds", |link| {
-            link.joint = Freedom::Revolute(DVec3::X);
+            link.joint = JointModel::Revolute(DVec3::X);
             (link.friction, link.damping) = (0.1, 0.1);
         }),
     ];
     for (word, change) in changes {
-        let (mut mechanism, start) = random_tree(Freedom::Free, 15);
+        let (mut mechanism, start) = random_tree(JointModel::Free, 15);
         change(&mut mechanism.bodies[3]);
         let refused =
             |kind| PlantSettings { kind, substeps: 1 }.build(&mechanism, &start, 0.01).err();

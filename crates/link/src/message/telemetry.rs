@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::{Limit, POSE_MAX, State};
 use crate::finite;
 
-/// Degrees of freedom in a frame, at most.
+/// Degrees of dof in a frame, at most.
 pub const DOFS_A_FRAME: usize = 42;
 
 /// Servos in a frame, at most.
@@ -36,7 +36,7 @@ pub enum Part {
         #[serde(with = "finite::list")]
         q: Vec<f32, POSE_MAX>,
     },
-    /// Degrees of freedom.
+    /// Degrees of dof.
     Dofs {
         /// Which one the first is.
         first: u8,
@@ -133,7 +133,7 @@ impl Parts {
     pub const SUMMARY: Self = Self(1);
     /// The pose.
     pub const POSE: Self = Self(2);
-    /// Degrees of freedom.
+    /// Degrees of dof.
     pub const DOFS: Self = Self(4);
     /// Servos.
     pub const SERVOS: Self = Self(8);
@@ -171,7 +171,7 @@ pub struct Snapshot<'a> {
     pub summary: &'a Summary,
     /// The measured pose, at most 256 numbers.
     pub q: &'a [f32],
-    /// Degrees of freedom, at most 256.
+    /// Degrees of dof, at most 256.
     pub dofs: &'a [Dof],
     /// Servos, at most 256.
     pub servos: &'a [Servo],

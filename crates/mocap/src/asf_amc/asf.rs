@@ -217,7 +217,7 @@ impl Parser<'_> {
                     axes_of_bone = Some(self.orientation(order, line.numbers(1)?));
                     line.ends(5)?;
                 }
-                "dof" => channels = degrees_of_freedom(&line, &shown_name)?,
+                "dof" => channels = parse_dofs(&line, &shown_name)?,
                 // What no motion needs.
                 "id" | "limits" | "bodymass" | "cofmass" => {}
                 _ if in_limits && is_limit(key) => {}
@@ -365,7 +365,7 @@ fn order_of_root(line: &Line<'_>) -> Result<Vec<Channel>, Failure> {
     if channels.len() == 6 { Ok(channels) } else { Err(line.word(7).not(expected)) }
 }
 
-fn degrees_of_freedom(line: &Line<'_>, bone: &str) -> Result<Vec<Channel>, Failure> {
+fn parse_dofs(line: &Line<'_>, bone: &str) -> Result<Vec<Channel>, Failure> {
     for word in &line.words[1..] {
         if word.is("l") || matches!(channel(*word), Some(Channel::Position(_))) {
             let problem = Problem::NotRotation { bone: shown(bone), found: word.text.to_owned() };

@@ -278,7 +278,7 @@ fn refuses_wrong_units_roots_and_bones() {
 }
 
 #[test]
-fn refuses_wrong_degrees_of_freedom_and_hierarchies() {
+fn refuses_wrong_degrees_of_dof_and_hierarchies() {
     for (what, with, expected) in [
         (
             "dof rx ry rz",

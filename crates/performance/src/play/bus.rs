@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use sinew_servo_bus::settings::Demand;
+use sinew_servo_bus::settings::ServoRequirements;
 use sinew_servo_bus::{
     Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
 };
@@ -65,7 +65,7 @@ impl ServoBus for Buses {
         true
     }
 
-    fn compare(&mut self, asked: Option<(usize, Demand)>) {
+    fn compare(&mut self, asked: Option<(usize, ServoRequirements)>) {
         let place = asked.and_then(|(servo, demand)| Some((*self.places.get(servo)?, demand)));
         self.compares = place.map(|((line, _), _)| line);
         for (index, line) in self.lines.iter_mut().enumerate() {

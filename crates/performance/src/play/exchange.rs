@@ -2,7 +2,7 @@
 
 use sinew_servo_bus::{EncodeError, ServoBus};
 use sinew_servo_sim::bench::Branch;
-use sinew_servo_sim::line::{Line, Wired as _, run_all};
+use sinew_servo_sim::line::{Line, LineDevice as _, run_all};
 use sinew_servo_sim::load::Plant;
 
 use super::stand::Wires;

@@ -8,7 +8,7 @@ use sinew_servo_bus::pca9685::{self, ChannelSetup};
 use sinew_servo_bus::{Schedule, ServoBus, Timing, dynamixel, feetech};
 use sinew_servo_sim::registers::RegisterTable;
 use sinew_servo_sim::rig::RigServo;
-use sinew_wiring::{OnLine, Protocol};
+use sinew_wiring::{LineServo, Protocol};
 
 use super::SERVOS;
 use super::parts::{Options, Parts, PartsError};
@@ -272,11 +272,11 @@ impl OfLine {
     }
 
     /// What its servo at a place is there.
-    pub(super) fn on_line(&self, place: usize) -> Option<OnLine> {
+    pub(super) fn on_line(&self, place: usize) -> Option<LineServo> {
         Some(match self {
-            Self::Dynamixel(setups, _) => OnLine::Dynamixel((*setups.get(place)?).into()),
-            Self::Feetech(setups, _) => OnLine::Feetech(*setups.get(place)?),
-            Self::Pulses(setups) => OnLine::Channel(*setups.get(place)?),
+            Self::Dynamixel(setups, _) => LineServo::Dynamixel((*setups.get(place)?).into()),
+            Self::Feetech(setups, _) => LineServo::Feetech(*setups.get(place)?),
+            Self::Pulses(setups) => LineServo::Channel(*setups.get(place)?),
         })
     }
 }

@@ -37,18 +37,18 @@ pub use stand::{Memory, Stand, StandError, Wires};
 pub use tally::{Errors, Tally};
 pub use twin::{Emulator, Twin, TwinError};
 
-use sinew_firmware::controller::Controller;
+use sinew_firmware::controller::MotionController;
 use sinew_rig::board::BoardRig;
 
 /// What the largest board might hold: a show's CRC of its rig does not depend on it.
 const BODIES: usize = 64;
-const FREEDOMS: usize = 128;
+const DOFS: usize = 128;
 const SERVOS: usize = 64;
-/// A ball joint has four coordinates for three freedoms.
+/// A ball joint has four coordinates for three dofs.
 const COORDINATES: usize = 192;
 
-type Board = BoardRig<BODIES, FREEDOMS, SERVOS>;
-type Loop<'a> = Controller<'a, BODIES, FREEDOMS, SERVOS, COORDINATES>;
+type Board = BoardRig<BODIES, DOFS, SERVOS>;
+type Loop<'a> = MotionController<'a, BODIES, DOFS, SERVOS, COORDINATES>;
 
 #[cfg(test)]
 mod tests;

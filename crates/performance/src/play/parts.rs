@@ -4,7 +4,7 @@ use sinew_core::tracker::{MethodName, Settings as TrackerSettings, Timing as Loo
 use sinew_firmware::controller::{ControllerSettings, ServoSetup, estimated_us};
 use sinew_rig::board::BakeError;
 use sinew_rig::description::Supply as RigSupply;
-use sinew_rig::mechanism::Freedom;
+use sinew_rig::mechanism::JointModel;
 use sinew_rig::{Description, Mechanism};
 use sinew_servo_bus::Schedule;
 use sinew_servo_sim::plant::RigPlant;
@@ -139,13 +139,13 @@ pub struct Parts {
     pub lines: Vec<Line>,
     /// Servos, in the rig's order.
     pub servos: Vec<ServoPart>,
-    /// Names of the freedoms.
+    /// Names of the dofs.
     pub names: Vec<String>,
-    /// Whether a freedom slides: its numbers are m and N.
+    /// Whether a dof slides: its numbers are m and N.
     pub slides: Vec<bool>,
-    /// By freedom: how its servos are driven; none if none moves it.
+    /// By dof: how its servos are driven; none if none moves it.
     pub drives: Vec<Option<Drive>>,
-    /// By freedom: its first servo.
+    /// By dof: its first servo.
     pub first_servo: Vec<Option<usize>>,
     /// Ticks a second.
     pub rate_hz: u32,
@@ -164,7 +164,7 @@ impl Parts {
         mechanism: &Mechanism,
         options: Options,
     ) -> Result<Self, PartsError> {
-        if mechanism.bodies.iter().any(|link| link.joint == Freedom::Free) {
+        if mechanism.bodies.iter().any(|link| link.joint == JointModel::Free) {
             return Err(PartsError::Travels);
         }
         let board = Board::bake(rig, mechanism)?;
@@ -202,10 +202,10 @@ impl Parts {
             .max_by_key(Schedule::groups);
         let schedule = latest.ok_or(PartsError::NoServos)?;
         settings.tracker = tracker(&schedule);
-        let (drives, first_servo) = by_freedom(&board, &parts);
+        let (drives, first_servo) = by_dof(&board, &parts);
         let slides = mechanism.bodies.iter().flat_map(|link| {
-            let is_slide = matches!(link.joint, Freedom::Prismatic(_));
-            std::iter::repeat_n(is_slide, link.joint.kind().degrees_of_freedom())
+            let is_slide = matches!(link.joint, JointModel::Prismatic(_));
+            std::iter::repeat_n(is_slide, link.joint.kind().dof_count())
         });
         Ok(Self {
             settings,
@@ -215,7 +215,7 @@ impl Parts {
             supply: rig.supply,
             lines,
             servos: parts,
-            names: mechanism.freedom_names(),
+            names: mechanism.dof_names(),
             slides: slides.collect(),
             drives,
             first_servo,
@@ -245,9 +245,9 @@ impl Parts {
         self.schedules[line].groups()
     }
 
-    /// Whether a freedom is moved by servos that tell nothing: what becomes of it nobody knows.
-    pub fn tells_nothing(&self, freedom: usize) -> bool {
-        self.drives[freedom] == Some(Drive::Pulses)
+    /// Whether a dof is moved by servos that tell nothing: what becomes of it nobody knows.
+    pub fn tells_nothing(&self, dof: usize) -> bool {
+        self.drives[dof] == Some(Drive::Pulses)
     }
 
     /// Length of a tick, µs.
@@ -303,15 +303,15 @@ fn tracker(schedule: &Schedule) -> TrackerSettings {
     }
 }
 
-fn by_freedom(board: &Board, servos: &[ServoPart]) -> (Vec<Option<Drive>>, Vec<Option<usize>>) {
-    let count = board.freedoms().len();
+fn by_dof(board: &Board, servos: &[ServoPart]) -> (Vec<Option<Drive>>, Vec<Option<usize>>) {
+    let count = board.dofs().len();
     let (mut drives, mut first) = (vec![None; count], vec![None; count]);
     for drive in board.drives() {
         let servo = drive.servos.first().map(|servo| usize::from(*servo));
-        for freedom in &drive.freedoms {
-            let freedom = usize::from(*freedom);
-            first[freedom] = servo;
-            drives[freedom] = servo.map(|servo| servos[servo].drive);
+        for dof in &drive.dofs {
+            let dof = usize::from(*dof);
+            first[dof] = servo;
+            drives[dof] = servo.map(|servo| servos[servo].drive);
         }
     }
     (drives, first)

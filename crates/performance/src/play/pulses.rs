@@ -64,9 +64,8 @@ impl Parts {
     pub fn pulses_us(&self) -> Vec<(&str, [f32; 2])> {
         let mut all = Vec::new();
         for drive in self.board.drives() {
-            let ranges: Vec<[f32; 2]> = (drive.freedoms.iter())
-                .map(|freedom| self.board.freedoms()[usize::from(*freedom)].range)
-                .collect();
+            let ranges: Vec<[f32; 2]> =
+                (drive.dofs.iter()).map(|dof| self.board.dofs()[usize::from(*dof)].range).collect();
             // Shafts are farthest where each joint is at an end.
             let corners: Vec<Vec<f32>> = (0..1_usize << ranges.len())
                 .map(|corner| {

@@ -137,12 +137,12 @@ impl Recorder {
         self.runs.push(Some(stand.runs()));
         let faults: Vec<String> = report.raised.iter().map(|fault| fault.to_string()).collect();
         self.faults.push((!faults.is_empty()).then(|| faults.join(", ").as_str().into()));
-        let [commanded, measured] = stand.freedoms();
+        let [commanded, measured] = stand.dofs();
         for (index, joint) in self.joints.iter_mut().enumerate() {
-            let freedom = report.freedoms[index];
+            let dof = report.dofs[index];
             let told = |number| (!stand.parts.tells_nothing(index)).then_some(number);
-            let [measured, error] = [measured[index], freedom.error].map(told);
-            let numbers = [Some(commanded[index]), measured, error, Some(freedom.effort)];
+            let [measured, error] = [measured[index], dof.error].map(told);
+            let numbers = [Some(commanded[index]), measured, error, Some(dof.effort)];
             for (column, number) in joint.numbers.iter_mut().zip(numbers) {
                 column.push(number);
             }

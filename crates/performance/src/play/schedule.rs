@@ -1,6 +1,6 @@
 //! The rate of a rig's loop: what was asked for, if the lines have time for it, or what they have time for.
 
-use sinew_core::tracker::LATE_MOST_S;
+use sinew_core::tracker::MAX_DELAY_S;
 use sinew_servo_bus::{Schedule, Timing, Traffic};
 use thiserror::Error;
 
@@ -119,7 +119,7 @@ impl Load {
         let has_time = busy_us + needs.compute_us <= schedule.tick_us();
         let is_fresh = needs.stale_s * schedule.read_hz() >= 1.0;
         let late_s = (schedule.groups() + 1) as f32 * 1e-6 * schedule.tick_us() as f32;
-        let is_in_time = !self.closes_loop || late_s <= LATE_MOST_S;
+        let is_in_time = !self.closes_loop || late_s <= MAX_DELAY_S;
         (has_time && is_fresh && is_in_time).then_some(schedule)
     }
 }

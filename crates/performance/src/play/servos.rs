@@ -122,10 +122,10 @@ pub fn put_servos(rig: &mut Description, wanted: &[ServoChoice]) -> Result<usize
             return Err(PutError::Joint { joint: name, kind });
         }
         let Some(model) = ServoModel::built_in(&choice.model) else { continue };
-        let freedoms = kind.degrees_of_freedom();
+        let dofs = kind.dof_count();
         let mut servos = Vec::new();
-        for axis in 0..freedoms {
-            let own = if freedoms == 1 { name.clone() } else { format!("{name}.{}", axis + 1) };
+        for axis in 0..dofs {
+            let own = if dofs == 1 { name.clone() } else { format!("{name}.{}", axis + 1) };
             let range = rig.joints[index].range_rad.get(axis);
             rig.servos.push(Servo {
                 name: own.clone(),
@@ -142,7 +142,7 @@ pub fn put_servos(rig: &mut Description, wanted: &[ServoChoice]) -> Result<usize
         // A joint without a servo was described with whatever drove it: what the servo rubs is not counted twice.
         joint.friction = (joint.friction - model.friction_nm.value).max(0.0);
         joint.damping = (joint.damping - model.damping_nm_s.value).max(0.0);
-        let kind = DriveKind::one_to_one(freedoms);
+        let kind = DriveKind::one_to_one(dofs);
         rig.drives.push(Drive { joints: vec![name], servos, kind });
         count += 1;
     }

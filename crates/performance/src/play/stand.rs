@@ -12,7 +12,7 @@ use sinew_servo_bus::feetech::table::address::TORQUE_ENABLE as FEETECH_TORQUE_EN
 use sinew_servo_bus::{Effort, ServoBus as _, settings};
 use sinew_servo_sim::bench::{Bench, Branch};
 use sinew_servo_sim::device::{MEMORY_LEN, Servo, ServoError};
-use sinew_servo_sim::line::{Line, Wired as _, run_all};
+use sinew_servo_sim::line::{Line, LineDevice as _, run_all};
 use sinew_servo_sim::load::Plant;
 use sinew_servo_sim::plant::{Hand, RigPlant};
 use sinew_servo_sim::registers::RegisterTable;
@@ -24,7 +24,7 @@ use super::exchange::exchange;
 use super::parts::{Parts, PartsError};
 use super::servo_part::{Drive, ServoPart, single};
 use super::twin::{Twin, TwinError};
-use super::{FREEDOMS, Loop, SERVOS, pulses};
+use super::{DOFS, Loop, SERVOS, pulses};
 
 /// Registers of one servo.
 pub type Memory = [u8; MEMORY_LEN];
@@ -178,7 +178,7 @@ impl<'a, P: Plant> Stand<'a, P> {
     }
 
     /// What became of the last tick.
-    pub fn report(&self) -> &Report<FREEDOMS, SERVOS> {
+    pub fn report(&self) -> &Report<DOFS, SERVOS> {
         self.controller.report()
     }
 
@@ -193,14 +193,14 @@ impl<'a, P: Plant> Stand<'a, P> {
         permission.source == Source::Feed(Feed::Show) && permission.runs
     }
 
-    /// Commanded and measured position of each freedom: of a ball joint the rotation vector. What no servo tells counts
+    /// Commanded and measured position of each dof: of a ball joint the rotation vector. What no servo tells counts
     /// as measured where it was commanded: see [`Parts::tells_nothing`].
-    pub fn freedoms(&self) -> [Vec<f32>; 2] {
+    pub fn dofs(&self) -> [Vec<f32>; 2] {
         let q = [self.controller.commanded().0, self.controller.measured()];
         q.map(|q| self.positions(q))
     }
 
-    /// Positions of freedoms, of coordinates of the rig.
+    /// Positions of dofs, of coordinates of the rig.
     fn positions(&self, mut q: &[f32]) -> Vec<f32> {
         let mut positions = Vec::new();
         for body in self.parts.board.tree().bodies() {
@@ -233,10 +233,10 @@ impl<'a, P: Plant> Stand<'a, P> {
 
     /// What limits a joint now, as tables and recordings count it: its effort, its first servo's drive, the guard, or
     /// heat and supply.
-    pub fn limiter(&self, freedom: usize) -> Option<String> {
-        let effort = self.report().freedoms[freedom].limit.map(|limit| format!("{limit:?}"));
+    pub fn limiter(&self, dof: usize) -> Option<String> {
+        let effort = self.report().dofs[dof].limit.map(|limit| format!("{limit:?}"));
         let of_servo = || {
-            let servo = &self.report().servos[self.parts.first_servo[freedom]?];
+            let servo = &self.report().servos[self.parts.first_servo[dof]?];
             let drive = servo.limit.map(|limit| format!("{limit:?}"));
             let concern = || servo.concern.filter(|_| servo.share < 1.0);
             drive
@@ -374,9 +374,9 @@ fn servo<'a>(parts: &Parts, index: usize, memory: &'a mut Memory) -> Result<Serv
 }
 
 impl Stand<'_, RigPlant> {
-    /// A hand takes a joint's freedom, or leads it on; none lets go. See [`RigPlant::lead`].
-    pub fn lead(&mut self, freedom: usize, hand: Option<Hand>) -> bool {
-        self.lines[0].servos.bench_mut().plant.lead(freedom, hand)
+    /// A hand takes a joint's dof, or leads it on; none lets go. See [`RigPlant::lead`].
+    pub fn lead(&mut self, dof: usize, hand: Option<Hand>) -> bool {
+        self.lines[0].servos.bench_mut().plant.lead(dof, hand)
     }
 
     /// Where the simulated rig is, in its coordinates.
@@ -384,7 +384,7 @@ impl Stand<'_, RigPlant> {
         self.lines[0].servos.bench().plant.q().to_vec()
     }
 
-    /// Where each freedom of the simulated rig is, less where it is commanded, rad or m: what no servo tells.
+    /// Where each dof of the simulated rig is, less where it is commanded, rad or m: what no servo tells.
     pub fn simulated_errors(&self) -> Vec<f32> {
         let q: Vec<f32> = self.q().into_iter().map(single).collect();
         let commanded = self.positions(self.controller.commanded().0);

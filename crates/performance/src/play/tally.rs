@@ -10,7 +10,7 @@ use super::parts::Parts;
 use super::servo_part::Drive;
 use super::stand::Stand;
 
-/// Sums of one freedom, while the show runs.
+/// Sums of one dof, while the show runs.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     error: f64,
@@ -25,7 +25,7 @@ struct Sums {
 /// What is kept of all ticks in which a show runs.
 #[derive(Debug)]
 pub struct Tally {
-    freedoms: Vec<Sums>,
+    dofs: Vec<Sums>,
     ticks: u64,
     /// Whether a joint's servos tell nothing.
     tells_nothing: bool,
@@ -40,8 +40,8 @@ pub struct Errors {
     pub mean_rad: f64,
     /// The largest.
     pub most_rad: f64,
-    /// Which freedom had it.
-    pub freedom: usize,
+    /// Which dof had it.
+    pub dof: usize,
     /// When, s of the play.
     pub at_s: f64,
 }
@@ -50,8 +50,8 @@ impl Tally {
     /// Of a rig.
     pub fn new(parts: &Parts) -> Self {
         let count = parts.names.len();
-        let tells_nothing = (0..count).any(|freedom| parts.tells_nothing(freedom));
-        Self { freedoms: vec![Sums::default(); count], ticks: 0, tells_nothing }
+        let tells_nothing = (0..count).any(|dof| parts.tells_nothing(dof));
+        Self { dofs: vec![Sums::default(); count], ticks: 0, tells_nothing }
     }
 
     /// Looks at a tick. Of servos that tell nothing the error is where the simulated rig is.
@@ -63,15 +63,15 @@ impl Tally {
         let time_s = self.ticks as f64 / f64::from(stand.parts.rate_hz);
         self.ticks += 1;
         let simulated = if self.tells_nothing { stand.simulated_errors() } else { Vec::new() };
-        for (index, (sums, freedom)) in self.freedoms.iter_mut().zip(&report.freedoms).enumerate() {
+        for (index, (sums, dof)) in self.dofs.iter_mut().zip(&report.dofs).enumerate() {
             let tells_nothing = stand.parts.tells_nothing(index);
-            let error = if tells_nothing { simulated[index] } else { freedom.error };
+            let error = if tells_nothing { simulated[index] } else { dof.error };
             let error = f64::from(error.abs());
             sums.error += error;
             if error > sums.largest {
                 (sums.largest, sums.largest_s) = (error, time_s);
             }
-            sums.effort = sums.effort.max(f64::from(freedom.effort.abs()));
+            sums.effort = sums.effort.max(f64::from(dof.effort.abs()));
             let Some(servo) = stand.parts.first_servo[index] else { continue };
             let current_a = stand.current_a(servo).map_or(0.0, |a| f64::from(a.abs()));
             sums.current_a = sums.current_a.max(current_a);
@@ -89,17 +89,17 @@ impl Tally {
     /// Errors of turning joints that are driven so; `None` for all. None if there is no such joint, or nothing was
     /// played.
     pub fn errors(&self, parts: &Parts, drive: Option<Drive>) -> Option<Errors> {
-        let mut errors = Errors { joints: 0, mean_rad: 0.0, most_rad: 0.0, freedom: 0, at_s: 0.0 };
-        for (freedom, sums) in self.freedoms.iter().enumerate() {
-            let of = parts.drives[freedom];
-            if parts.slides[freedom] || of.is_none() || drive.is_some_and(|d| of != Some(d)) {
+        let mut errors = Errors { joints: 0, mean_rad: 0.0, most_rad: 0.0, dof: 0, at_s: 0.0 };
+        for (dof, sums) in self.dofs.iter().enumerate() {
+            let of = parts.drives[dof];
+            if parts.slides[dof] || of.is_none() || drive.is_some_and(|d| of != Some(d)) {
                 continue;
             }
             errors.joints += 1;
             errors.mean_rad += sums.error;
             if sums.largest > errors.most_rad {
                 errors.most_rad = sums.largest;
-                (errors.freedom, errors.at_s) = (freedom, sums.largest_s);
+                (errors.dof, errors.at_s) = (dof, sums.largest_s);
             }
         }
         let count = errors.joints as f64 * self.ticks as f64;
@@ -152,7 +152,7 @@ impl Tally {
                 errors.joints.to_string(),
                 format!("{:.2}", errors.mean_rad.to_degrees()),
                 format!("{:.2}", errors.most_rad.to_degrees()),
-                parts.names[errors.freedom].clone(),
+                parts.names[errors.dof].clone(),
                 format!("{:.2}", errors.at_s),
             ]);
         }
@@ -172,17 +172,17 @@ impl Tally {
             "limited",
         ];
         let mut table = table(header, 2..header.len());
-        for (freedom, sums) in self.freedoms.iter().enumerate() {
-            let Some(drive) = parts.drives[freedom] else { continue };
+        for (dof, sums) in self.dofs.iter().enumerate() {
+            let Some(drive) = parts.drives[dof] else { continue };
             let shown = |x: f64| {
-                let number = if parts.slides[freedom] { 1000.0 * x } else { x.to_degrees() };
+                let number = if parts.slides[dof] { 1000.0 * x } else { x.to_degrees() };
                 format!("{number:.2}")
             };
             let ticks = self.ticks.max(1) as f64;
             // Nothing is told by such a servo, and no effort is asked of it.
             let known = |number| if drive == Drive::Pulses { "-".to_owned() } else { number };
             table.add_row([
-                parts.names[freedom].clone(),
+                parts.names[dof].clone(),
                 drive.name().to_owned(),
                 shown(sums.error / ticks),
                 shown(sums.largest),

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use sinew_core::TreeError;
 use sinew_core::coordinates::CoordinatesError;
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::{Freedom, InverseDynamics, Link};
+use sinew_rig::mechanism::{InverseDynamics, JointModel, Link};
 use thiserror::Error;
 
 /// Why a table was refused.
@@ -56,8 +56,8 @@ pub enum DynamicsError {
 fn held(mechanism: &Mechanism, rotor: bool) -> Mechanism {
     let mut held = mechanism.clone();
     for link in &mut held.bodies {
-        if link.joint == Freedom::Free {
-            link.joint = Freedom::Fixed;
+        if link.joint == JointModel::Free {
+            link.joint = JointModel::Fixed;
             link.home.clear();
         }
         if !rotor {
@@ -68,19 +68,19 @@ fn held(mechanism: &Mechanism, rotor: bool) -> Mechanism {
 }
 
 /// Names of the degrees of freedom, the base held.
-pub fn freedom_names(mechanism: &Mechanism) -> Vec<String> {
-    held(mechanism, false).freedom_names()
+pub fn dof_names(mechanism: &Mechanism) -> Vec<String> {
+    held(mechanism, false).dof_names()
 }
 
-/// Names of the joint coordinates: those of the freedoms, but `NAME.x` to `NAME.w` of ball joints.
+/// Names of the joint coordinates: those of the dofs, but `NAME.x` to `NAME.w` of ball joints.
 fn coordinate_names(mechanism: &Mechanism) -> Vec<String> {
     let of_link = |link: &Link| {
         let name = link.joint_name.clone();
         let parts: &[&str] = match link.joint {
-            Freedom::Fixed | Freedom::Free => &[],
-            Freedom::Revolute(_) | Freedom::Prismatic(_) => &[""],
-            Freedom::Universal(_) => &[".0", ".1"],
-            Freedom::Spherical => &[".x", ".y", ".z", ".w"],
+            JointModel::Fixed | JointModel::Free => &[],
+            JointModel::Revolute(_) | JointModel::Prismatic(_) => &[""],
+            JointModel::Universal(_) => &[".0", ".1"],
+            JointModel::Spherical => &[".x", ".y", ".z", ".w"],
         };
         parts.iter().map(move |part| format!("{name}{part}"))
     };
@@ -100,7 +100,7 @@ pub fn inverse_dynamics(
     table: impl std::io::Read,
 ) -> Result<String, DynamicsError> {
     let mechanism = held(mechanism, rotor);
-    let names = mechanism.freedom_names();
+    let names = mechanism.dof_names();
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(table);
     let header: Vec<String> = reader
         .headers()?
@@ -149,7 +149,7 @@ pub fn inverse_dynamics(
     Ok(out)
 }
 
-/// Where the numbers of a row stand: by coordinate and by freedom; empty if the table has none of the kind.
+/// Where the numbers of a row stand: by coordinate and by dof; empty if the table has none of the kind.
 struct Columns {
     q: Vec<usize>,
     qd: Vec<usize>,
@@ -160,7 +160,7 @@ impl Columns {
     fn of(
         header: &[String],
         coordinates: &[String],
-        freedoms: &[String],
+        dofs: &[String],
     ) -> Result<Self, DynamicsError> {
         let mut places = BTreeMap::new();
         for (place, name) in header.iter().enumerate() {
@@ -181,14 +181,14 @@ impl Columns {
         };
         let columns = Self {
             q: take("q", coordinates, true)?,
-            qd: take("qd", freedoms, false)?,
-            qdd: take("qdd", freedoms, false)?,
+            qd: take("qd", dofs, false)?,
+            qdd: take("qdd", dofs, false)?,
         };
         match places.keys().next() {
             None => Ok(columns),
             Some(found) => Err(DynamicsError::UnknownColumn {
                 found: (*found).to_owned(),
-                expected: freedoms.join(", "),
+                expected: dofs.join(", "),
             }),
         }
     }

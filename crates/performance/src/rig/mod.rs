@@ -5,7 +5,7 @@ mod file;
 mod review;
 mod size;
 
-pub use dynamics::{DynamicsError, freedom_names, inverse_dynamics};
+pub use dynamics::{DynamicsError, dof_names, inverse_dynamics};
 pub use file::{Loaded, RigFileError, load};
 pub use review::review;
 pub use size::at_home;

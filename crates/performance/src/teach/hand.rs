@@ -1,7 +1,7 @@
 //! A scripted hand at a simulated rig.
 
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::Freedom;
+use sinew_rig::mechanism::JointModel;
 use sinew_servo_sim::plant::Hand;
 
 use super::Leads;
@@ -10,21 +10,21 @@ use super::Leads;
 #[derive(Debug, Clone)]
 pub struct ScriptedHand {
     leads: Leads,
-    /// Freedom and coordinate of all that it holds.
+    /// Dof and coordinate of all that it holds.
     held: Vec<(usize, usize)>,
 }
 
 impl ScriptedHand {
     /// At a rig of this mechanism.
     pub fn new(mechanism: &Mechanism, leads: Leads) -> Self {
-        let (mut held, mut freedom, mut coordinate) = (Vec::new(), 0, 0);
+        let (mut held, mut dof, mut coordinate) = (Vec::new(), 0, 0);
         for link in &mechanism.bodies {
             let kind = link.joint.kind();
-            let (freedoms, coordinates) = (kind.degrees_of_freedom(), kind.coordinate_count());
-            if !matches!(link.joint, Freedom::Spherical | Freedom::Free) {
-                held.extend((freedom..freedom + freedoms).zip(coordinate..));
+            let (dofs, coordinates) = (kind.dof_count(), kind.coordinate_count());
+            if !matches!(link.joint, JointModel::Spherical | JointModel::Free) {
+                held.extend((dof..dof + dofs).zip(coordinate..));
             }
-            (freedom, coordinate) = (freedom + freedoms, coordinate + coordinates);
+            (dof, coordinate) = (dof + dofs, coordinate + coordinates);
         }
         Self { leads, held }
     }
@@ -34,17 +34,17 @@ impl ScriptedHand {
         self.leads.duration_s()
     }
 
-    /// Holds every freedom where it leads `time_s` after the beginning: `lead` puts the hand there.
+    /// Holds every dof where it leads `time_s` after the beginning: `lead` puts the hand there.
     pub fn hold(&self, time_s: f64, mut lead: impl FnMut(usize, Option<Hand>)) {
         let instant = self.leads.at(time_s);
-        for (freedom, coordinate) in &self.held {
-            let (position, velocity) = (instant.q[*coordinate], instant.qd[*freedom]);
-            lead(*freedom, Some(Hand { position, velocity }));
+        for (dof, coordinate) in &self.held {
+            let (position, velocity) = (instant.q[*coordinate], instant.qd[*dof]);
+            lead(*dof, Some(Hand { position, velocity }));
         }
     }
 
     /// Lets go of all.
     pub fn let_go(&self, mut lead: impl FnMut(usize, Option<Hand>)) {
-        self.held.iter().for_each(|(freedom, _)| lead(*freedom, None));
+        self.held.iter().for_each(|(dof, _)| lead(*dof, None));
     }
 }

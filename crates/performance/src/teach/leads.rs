@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use sinew_retarget::feasibility::{Curve, Instant, MotionError, Performance as _, RigMotion};
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::Freedom;
+use sinew_rig::mechanism::JointModel;
 
 /// Rest before and after the built-in way, s.
 const REST_S: f64 = 1.0;
@@ -42,7 +42,10 @@ impl Leads {
             let swing = libm::pow(libm::sin(PI * share), 3.0);
             let joints = mechanism.bodies.iter().zip(&ranges);
             for (index, (link, range)) in joints.enumerate() {
-                if matches!(link.joint, Freedom::Free | Freedom::Spherical | Freedom::Fixed) {
+                if matches!(
+                    link.joint,
+                    JointModel::Free | JointModel::Spherical | JointModel::Fixed
+                ) {
                     continue;
                 }
                 for (place, ends) in range.clone().zip(&link.ranges) {

@@ -122,8 +122,8 @@ impl<'s, 'a> Lesson<'s, 'a> {
             self.tick(None, &mut each)?;
             rows.push(self.stand.measured().iter().map(|x| f64::from(*x)).collect());
         }
-        self.hand.let_go(|freedom, hand| {
-            self.stand.lead(freedom, hand);
+        self.hand.let_go(|dof, hand| {
+            self.stand.lead(dof, hand);
         });
         let (left, from_s) = (self.stand.q(), self.stand.time_s());
         let mut drift = vec![0.0; left.len()];
@@ -155,8 +155,8 @@ impl<'s, 'a> Lesson<'s, 'a> {
 
     /// Where the hand is now.
     fn hold(&mut self, time_s: f64) {
-        self.hand.hold(time_s, |freedom, hand| {
-            self.stand.lead(freedom, hand);
+        self.hand.hold(time_s, |dof, hand| {
+            self.stand.lead(dof, hand);
         });
     }
 

@@ -3,7 +3,7 @@
 use sinew_board_client::TimedPose;
 use sinew_retarget::feasibility::RigMotion;
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::Freedom;
+use sinew_rig::mechanism::JointModel;
 use thiserror::Error;
 
 /// Without a pose for longer than this nobody knows what the hand did: half a period of 6 Hz, which the low-pass keeps.
@@ -71,7 +71,7 @@ fn between(mechanism: &Mechanism, from: &[f32], to: &[f32], share: f64) -> Vec<f
     let mut q: Vec<f64> = Vec::with_capacity(from.len());
     for (link, range) in mechanism.bodies.iter().zip(mechanism.coordinate_ranges()) {
         let [from, to] = [from, to].map(|pose| pose[range.clone()].iter().copied().map(f64::from));
-        let turns = matches!(link.joint, Freedom::Spherical | Freedom::Free);
+        let turns = matches!(link.joint, JointModel::Spherical | JointModel::Free);
         let dot: f64 = from.clone().zip(to.clone()).take(4).map(|(a, b)| a * b).sum();
         // Of the two quaternions of a rotation the near one.
         let sign = if turns && dot < 0.0 { -1.0 } else { 1.0 };
@@ -98,8 +98,8 @@ mod tests {
     use super::*;
 
     fn rig() -> Mechanism {
-        let hinge = Link::on(None, Freedom::Revolute(DVec3::Z), DVec3::ZERO);
-        let ball = Link::on(Some(0), Freedom::Spherical, DVec3::ZERO);
+        let hinge = Link::on(None, JointModel::Revolute(DVec3::Z), DVec3::ZERO);
+        let ball = Link::on(Some(0), JointModel::Spherical, DVec3::ZERO);
         Mechanism { bodies: vec![hinge, ball], linked: vec![] }
     }
 

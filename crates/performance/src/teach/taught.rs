@@ -3,7 +3,7 @@
 use sinew_mocap::filter::LowPass;
 use sinew_retarget::feasibility::{Curve, Instant, MotionError, Performance as _, RigMotion};
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::Freedom;
+use sinew_rig::mechanism::JointModel;
 use thiserror::Error;
 
 use super::Leads;
@@ -88,7 +88,7 @@ fn smooth(
         LowPass::new(rate_hz, cutoff_hz).ok_or(TaughtError::Cutoff { rate_hz, cutoff_hz })?;
     let mut most: f64 = 0.0;
     for (link, range) in mechanism.bodies.iter().zip(mechanism.coordinate_ranges()) {
-        if link.joint == Freedom::Spherical {
+        if link.joint == JointModel::Spherical {
             // Of the two quaternions of a rotation, the one near that of the row before.
             for row in 1..rows.len() {
                 let dot: f64 = range.clone().map(|at| rows[row][at] * rows[row - 1][at]).sum();
@@ -105,7 +105,7 @@ fn smooth(
                 row[at] = after;
             }
         }
-        if link.joint == Freedom::Spherical {
+        if link.joint == JointModel::Spherical {
             for row in rows.iter_mut() {
                 let length = row[range.clone()].iter().map(|x| x * x).sum::<f64>().sqrt();
                 row[range.clone()].iter_mut().for_each(|x| *x /= length);
@@ -119,9 +119,9 @@ fn smooth(
 fn moving(mechanism: &Mechanism, rows: &[Vec<f64>]) -> Option<(usize, usize)> {
     let mut least = Vec::new();
     for link in &mechanism.bodies {
-        let rest = if matches!(link.joint, Freedom::Prismatic(_)) { REST_M } else { REST_RAD };
+        let rest = if matches!(link.joint, JointModel::Prismatic(_)) { REST_M } else { REST_RAD };
         // Half of the angle is what a quaternion shows of it.
-        let rest = if link.joint == Freedom::Spherical { 0.5 * rest } else { rest };
+        let rest = if link.joint == JointModel::Spherical { 0.5 * rest } else { rest };
         least.extend(std::iter::repeat_n(rest, link.joint.kind().coordinate_count()));
     }
     let is_away = |row: &Vec<f64>, from: &Vec<f64>| {

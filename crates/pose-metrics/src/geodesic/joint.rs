@@ -66,7 +66,7 @@ impl From<JointKind> for Model {
 }
 
 impl Model {
-    pub(super) fn degrees_of_freedom(self) -> usize {
+    pub(super) fn dof_count(self) -> usize {
         match self {
             Self::Fixed => 0,
             Self::Revolute(_) | Self::Prismatic(_) => 1,

@@ -69,7 +69,7 @@ impl Joint {
 
     /// How many columns of the Jacobian are its.
     pub(super) fn columns(&self) -> usize {
-        if self.moves { self.model.degrees_of_freedom() } else { 0 }
+        if self.moves { self.model.dof_count() } else { 0 }
     }
 }
 

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use sinew_retarget::feasibility::{CheckError, Excess, Kind, Limits, Performance, Report};
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::Freedom;
+use sinew_rig::mechanism::JointModel;
 
 use super::samples::Samples;
 use crate::rig::{Body, bodies};
@@ -12,13 +12,13 @@ use crate::rig::{Body, bodies};
 pub(super) struct Drawn<'a> {
     pub(super) limits: &'a Limits,
     pub(super) report: &'a Report,
-    pub(super) freedoms: Vec<DrawnFreedom<'a>>,
+    pub(super) dofs: Vec<DrawnDof<'a>>,
     pub(super) excesses: &'a [Excess],
 }
 
 /// A degree of freedom of a joint.
 #[derive(Debug, Serialize)]
-pub(super) struct DrawnFreedom<'a> {
+pub(super) struct DrawnDof<'a> {
     /// In the order of `qd`.
     #[serde(skip)]
     pub(super) index: usize,
@@ -42,21 +42,21 @@ pub(super) struct DrawnFreedom<'a> {
 
 impl<'a> Drawn<'a> {
     pub(super) fn of(mechanism: &Mechanism, limits: &'a Limits, report: &'a Report) -> Self {
-        let mut freedoms = Vec::new();
-        let mut all = limits.freedoms.iter().enumerate();
+        let mut dofs = Vec::new();
+        let mut all = limits.dofs.iter().enumerate();
         for (body, link) in mechanism.bodies.iter().enumerate() {
-            for axis in 0..link.joint.kind().degrees_of_freedom() {
+            for axis in 0..link.joint.kind().dof_count() {
                 let Some((index, of)) = all.next() else { continue };
-                if link.joint == Freedom::Free {
+                if link.joint == JointModel::Free {
                     continue;
                 }
-                let turn = (link.joint == Freedom::Spherical).then(|| {
+                let turn = (link.joint == JointModel::Spherical).then(|| {
                     let most = limits.turns.iter().find(|(of, _)| *of == body);
                     most.map_or(f64::INFINITY, |(_, most)| *most)
                 });
                 let position = turn.map_or(of.range, |most| [f64::NEG_INFINITY, most]);
                 let far = if of.slides { 0.1 } else { std::f64::consts::PI };
-                freedoms.push(DrawnFreedom {
+                dofs.push(DrawnDof {
                     index,
                     body,
                     axis,
@@ -73,7 +73,7 @@ impl<'a> Drawn<'a> {
                 });
             }
         }
-        Self { limits, report, freedoms, excesses: &report.excesses }
+        Self { limits, report, dofs, excesses: &report.excesses }
     }
 
     /// The scripts' data as JSON that may stand in HTML: of the rig, and of the show.
@@ -82,10 +82,10 @@ impl<'a> Drawn<'a> {
         mechanism: &Mechanism,
         performance: &impl Performance,
     ) -> Result<Json, CheckError> {
-        let drawn: Vec<usize> = self.freedoms.iter().map(|freedom| freedom.index).collect();
+        let drawn: Vec<usize> = self.dofs.iter().map(|dof| dof.index).collect();
         let samples = Samples::of(mechanism, performance, &drawn)?;
         let of_excess = |excess: &Excess| ExcessData {
-            joint: drawn.iter().position(|index| *index == excess.freedom),
+            joint: drawn.iter().position(|index| *index == excess.dof),
             plot: match excess.kind {
                 Kind::Range => "position",
                 // The sum of two joints is in no plot.
@@ -98,7 +98,7 @@ impl<'a> Drawn<'a> {
             to_s: excess.to_s,
             worst_s: excess.worst_s,
         };
-        let rig = Rig { bodies: bodies(mechanism), freedoms: &self.freedoms };
+        let rig = Rig { bodies: bodies(mechanism), dofs: &self.dofs };
         let excesses = self.excesses.iter().map(of_excess).collect();
         let (dt_s, end_s) = (samples.dt_s, samples.end_s());
         let show = Show { samples, excesses };
@@ -127,7 +127,7 @@ pub(super) struct Json {
 #[derive(Debug, Serialize)]
 struct Rig<'a> {
     bodies: Vec<Body<'a>>,
-    freedoms: &'a [DrawnFreedom<'a>],
+    dofs: &'a [DrawnDof<'a>],
 }
 
 #[derive(Debug, Serialize)]

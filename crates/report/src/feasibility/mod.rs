@@ -8,13 +8,13 @@ mod table;
 use std::collections::BTreeSet;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use sinew_performance::words;
+use sinew_performance::text;
 use sinew_retarget::feasibility::{CheckError, Limits, Performance, Report};
 use sinew_rig::Mechanism;
 
 use super::head::head;
 use super::palette;
-use data::{Drawn, DrawnFreedom, Json};
+use data::{Drawn, DrawnDof, Json};
 
 const SCRIPT: &str = concat!(
     include_str!("../rig/assets/kinematics.js"),
@@ -81,7 +81,7 @@ impl<P: Performance> Page<'_, P> {
                             section aria-labelledby="excesses-title" {
                                 h2 id="excesses-title" { "Where limits are exceeded" }
                                 (table::excesses(drawn))
-                                @if let Some(unknown) = words::unknown(self.mechanism, self.limits, self.report) {
+                                @if let Some(unknown) = text::unknown(self.mechanism, self.limits, self.report) {
                                     p class="small" { (unknown) }
                                 }
                                 p class="small" { "Not looked at: collisions, balance, cables." }
@@ -130,9 +130,9 @@ fn verdict(drawn: &Drawn<'_>) -> String {
     if drawn.excesses.is_empty() {
         return format!("No limit is exceeded in {duration_s:.2} s.");
     }
-    let joints: BTreeSet<usize> = drawn.excesses.iter().map(|excess| excess.freedom).collect();
+    let joints: BTreeSet<usize> = drawn.excesses.iter().map(|excess| excess.dof).collect();
     let limits: BTreeSet<_> =
-        drawn.excesses.iter().map(|excess| (excess.freedom, excess.kind)).collect();
+        drawn.excesses.iter().map(|excess| (excess.dof, excess.kind)).collect();
     let many =
         |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
     format!(
@@ -161,8 +161,8 @@ fn notes(json: &Json, duration_s: f64) -> Vec<String> {
 }
 
 fn stage(drawn: &Drawn<'_>, end_s: f64) -> Markup {
-    let is_known = |of: &DrawnFreedom<'_>| of.effort.is_finite() || of.continuous.is_finite();
-    let known = drawn.freedoms.iter().filter(|of| is_known(of)).count();
+    let is_known = |of: &DrawnDof<'_>| of.effort.is_finite() || of.continuous.is_finite();
+    let known = drawn.dofs.iter().filter(|of| is_known(of)).count();
     html! {
         section class="stage" aria-label="The rig in motion" {
             canvas id="stage" tabindex="0" role="img"
@@ -172,7 +172,7 @@ fn stage(drawn: &Drawn<'_>, end_s: f64) -> Markup {
                 @if known > 0 {
                     (key("low", "light")) (key("mid", "half its limit")) (key("high", "at its limit"))
                 }
-                @if known < drawn.freedoms.len() { (key("unknown", "no limit known")) }
+                @if known < drawn.dofs.len() { (key("unknown", "no limit known")) }
                 (key("beyond", "beyond any limit now"))
             }
             div class="transport" {
@@ -198,8 +198,8 @@ fn plots(drawn: &Drawn<'_>) -> Markup {
             div class="plots-head" {
                 h2 id="plots-title" { label for="joint" { "Joint" } }
                 select id="joint" {
-                    @for (place, freedom) in drawn.freedoms.iter().enumerate() {
-                        option value=(place) { (drawn.limits.freedoms[freedom.index].name) }
+                    @for (place, dof) in drawn.dofs.iter().enumerate() {
+                        option value=(place) { (drawn.limits.dofs[dof.index].name) }
                     }
                 }
             }

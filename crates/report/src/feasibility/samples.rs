@@ -21,7 +21,7 @@ pub(super) struct Samples {
     courses: Courses,
 }
 
-/// By freedom, of all looks next to a sample the one farthest from zero: no peak is lost.
+/// By dof, of all looks next to a sample the one farthest from zero: no peak is lost.
 #[derive(Debug, Serialize)]
 struct Courses {
     speed: Vec<Channel>,
@@ -30,19 +30,19 @@ struct Courses {
 }
 
 impl Samples {
-    /// Samples of a performance; of the degrees of freedom only those in `freedoms`, by their index in `qd`.
+    /// Samples of a performance; of the degrees of freedom only those in `dofs`, by their index in `qd`.
     pub(super) fn of(
         mechanism: &Mechanism,
         performance: &impl Performance,
-        freedoms: &[usize],
+        dofs: &[usize],
     ) -> Result<Self, CheckError> {
         let coordinates = mechanism.coordinate_count();
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative")]
         let looks = (performance.duration_s() * LOOK_HZ).floor() as usize;
-        let (looks, every) = spacing(looks, LOOK_HZ, coordinates + 3 * freedoms.len(), MOST);
+        let (looks, every) = spacing(looks, LOOK_HZ, coordinates + 3 * dofs.len(), MOST);
         let count = looks / every + 1;
         let mut rows = vec![vec![0.0; count]; coordinates];
-        let mut peaks = [(); 3].map(|()| vec![vec![0.0_f64; count]; freedoms.len()]);
+        let mut peaks = [(); 3].map(|()| vec![vec![0.0_f64; count]; dofs.len()]);
         let mut dynamics = Efforts::of(mechanism)?;
         let (mut instant, mut efforts) = (Instant::default(), Vec::new());
         for look in 0..=looks {
@@ -53,10 +53,10 @@ impl Samples {
                 .map_err(|source| CheckError::Instant { time_s, source })?;
             let sample = ((look + every / 2) / every).min(count - 1);
             for (peaks, now) in peaks.iter_mut().zip([&instant.qd, &instant.qdd, &efforts]) {
-                for (course, freedom) in peaks.iter_mut().zip(freedoms) {
+                for (course, dof) in peaks.iter_mut().zip(dofs) {
                     let peak = &mut course[sample];
-                    if now[*freedom].abs() > peak.abs() {
-                        *peak = now[*freedom];
+                    if now[*dof].abs() > peak.abs() {
+                        *peak = now[*dof];
                     }
                 }
             }

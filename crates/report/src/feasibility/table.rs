@@ -1,8 +1,8 @@
 //! What each joint is asked for, beside its limits; and the times at which limits are exceeded.
 
 use maud::{Markup, html};
-use sinew_performance::words;
-use sinew_retarget::feasibility::{Excess, FreedomLimits, FreedomPeaks, Kind};
+use sinew_performance::text;
+use sinew_retarget::feasibility::{DofLimits, DofPeaks, Excess, Kind};
 
 use super::data::Drawn;
 
@@ -25,8 +25,8 @@ pub(super) fn joints(drawn: &Drawn<'_>) -> Markup {
                     }
                 }
                 tbody {
-                    @for (place, freedom) in drawn.freedoms.iter().enumerate() {
-                        (joint(drawn, place, freedom.index))
+                    @for (place, dof) in drawn.dofs.iter().enumerate() {
+                        (joint(drawn, place, dof.index))
                     }
                 }
             }
@@ -35,10 +35,10 @@ pub(super) fn joints(drawn: &Drawn<'_>) -> Markup {
 }
 
 fn joint(drawn: &Drawn<'_>, place: usize, index: usize) -> Markup {
-    let (limits, peaks) = (&drawn.limits.freedoms[index], &drawn.report.peaks[index]);
+    let (limits, peaks) = (&drawn.limits.dofs[index], &drawn.report.peaks[index]);
     let of_kind = |kinds: &[Kind]| {
         let mut all = drawn.report.excesses.iter();
-        all.any(|excess| excess.freedom == index && kinds.contains(&excess.kind))
+        all.any(|excess| excess.dof == index && kinds.contains(&excess.kind))
     };
     let cell = |value: f64, limit: f64, kind: Kind| {
         let unit = if limits.slides { kind.unit(true) } else { "" };
@@ -48,7 +48,7 @@ fn joint(drawn: &Drawn<'_>, place: usize, index: usize) -> Markup {
     html! {
         tr data-joint=(place) {
             th scope="row" { button type="button" aria-pressed="false" { (limits.name) } }
-            (range(limits, peaks, drawn.freedoms[place].turn, of_kind(&[Kind::Range, Kind::LinkedRange])))
+            (range(limits, peaks, drawn.dofs[place].turn, of_kind(&[Kind::Range, Kind::LinkedRange])))
             (cell(peaks.speed, limits.speed, Kind::Speed))
             (cell(peaks.acceleration, limits.acceleration, Kind::Acceleration))
             (cell(peaks.effort, limits.effort, Kind::Effort))
@@ -58,14 +58,9 @@ fn joint(drawn: &Drawn<'_>, place: usize, index: usize) -> Markup {
 }
 
 /// The part of its range that a joint uses. A ball joint's turn as a whole is limited: `turn`.
-fn range(
-    limits: &FreedomLimits,
-    peaks: &FreedomPeaks,
-    turn: Option<f64>,
-    is_exceeded: bool,
-) -> Markup {
+fn range(limits: &DofLimits, peaks: &DofPeaks, turn: Option<f64>, is_exceeded: bool) -> Markup {
     let unit = if limits.slides { " mm" } else { "" };
-    let text = |x: f64| words::position(limits.slides, x);
+    let text = |x: f64| text::position(limits.slides, x);
     let [least, most] = limits.range;
     let bar = (least.is_finite() && most.is_finite() && most > least).then(|| {
         let share = |x: f64| (100.0 * (x - least) / (most - least)).clamp(0.0, 100.0);
@@ -102,10 +97,10 @@ fn peak(value: f64, limit: f64, unit: &str, is_exceeded: bool) -> Markup {
         .then(|| format!("width: {:.1}%", (100.0 * value / limit).min(100.0)));
     html! {
         td class=[is_exceeded.then_some("exceeded")] {
-            (words::number(value)) (unit)
+            (text::number(value)) (unit)
             @if is_exceeded { " " span class="flag" { "exceeded" } }
             small {
-                @if limit.is_finite() { "of " (words::number(limit)) (unit) } @else { "no limit" }
+                @if limit.is_finite() { "of " (text::number(limit)) (unit) } @else { "no limit" }
             }
             @if let Some(bar) = bar { span class="bar" aria-hidden="true" { i style=(bar) {} } }
         }
@@ -129,13 +124,13 @@ pub(super) fn excesses(drawn: &Drawn<'_>) -> Markup {
             ol id="excesses" tabindex="0" aria-label="Excesses in time" {
                 @for index in listed {
                     @let excess = &all[index];
-                    @let limits = &drawn.limits.freedoms[excess.freedom];
+                    @let limits = &drawn.limits.dofs[excess.dof];
                     li {
                         button type="button" data-excess=(index) {
                             span class="when" { (format!("{:.2} s", excess.from_s)) }
                             span {
                                 b { (limits.name) } ": " (excess.kind.name()) " "
-                                (words::excess(limits.slides, excess, [0.0; 2]))
+                                (text::excess(limits.slides, excess, [0.0; 2]))
                                 small { " for " (lasting(excess.to_s - excess.from_s)) }
                             }
                         }

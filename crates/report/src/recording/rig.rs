@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use sinew_performance::play::Recording;
-use sinew_rig::mechanism::{Freedom, Mechanism};
+use sinew_rig::mechanism::{JointModel, Mechanism};
 use sinew_rig::{Description, description::DescriptionError};
 use thiserror::Error;
 
@@ -41,12 +41,12 @@ pub(super) struct Joint {
 #[derive(Debug, Serialize)]
 pub(super) struct Rig<'a> {
     pub(super) bodies: Vec<Body<'a>>,
-    pub(super) freedoms: &'a [Joint],
+    pub(super) dofs: &'a [Joint],
 }
 
 impl<'a> Rig<'a> {
-    pub(super) fn of(mechanism: &'a Mechanism, freedoms: &'a [Joint]) -> Self {
-        Self { bodies: bodies(mechanism), freedoms }
+    pub(super) fn of(mechanism: &'a Mechanism, dofs: &'a [Joint]) -> Self {
+        Self { bodies: bodies(mechanism), dofs }
     }
 }
 
@@ -56,19 +56,19 @@ pub(super) fn joints(
     description: &Description,
     mechanism: &Mechanism,
 ) -> Result<Vec<Joint>, RigError> {
-    let names = mechanism.freedom_names();
+    let names = mechanism.dof_names();
     if let Some(unknown) = recording.joints().iter().find(|name| !names.contains(name)) {
         return Err(RigError::Unknown(unknown.clone()));
     }
     let first_servos = first_servos(recording, description)?;
     let (mut names, mut joints) = (names.into_iter(), Vec::new());
     for (body, link) in mechanism.bodies.iter().enumerate() {
-        let slides = matches!(link.joint, Freedom::Prismatic(_));
+        let slides = matches!(link.joint, JointModel::Prismatic(_));
         let far = if slides { 0.1 } else { std::f64::consts::PI };
-        let is_ball = link.joint == Freedom::Spherical;
+        let is_ball = link.joint == JointModel::Spherical;
         let servo = description.joints.iter().position(|joint| joint.name == link.joint_name);
         let servo = servo.and_then(|joint| first_servos[joint]);
-        for axis in 0..link.joint.kind().degrees_of_freedom() {
+        for axis in 0..link.joint.kind().dof_count() {
             let name = names.next().unwrap_or_default();
             let joint = recording.joints().iter().position(|recorded| *recorded == name);
             let joint = joint.ok_or_else(|| RigError::NotRecorded(name.clone()))?;

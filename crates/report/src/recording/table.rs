@@ -1,7 +1,7 @@
 //! What came when, and how each joint followed.
 
 use maud::{Markup, html};
-use sinew_performance::words;
+use sinew_performance::text;
 
 use super::rig::Joint;
 use super::watch::{Span, Told, Watch};
@@ -73,15 +73,15 @@ fn row(joint: &Joint, told: &Told) -> Markup {
                     @if told.ticks == 0 { "no show ran" } @else { "no servo moves it" }
                 }
             } @else {
-                td { (words::change(joint.slides, told.error_mean())) }
+                td { (text::change(joint.slides, told.error_mean())) }
                 td {
                     button type="button" data-at=(format!("{:.3}", told.error_most_s)) {
-                        (words::change(joint.slides, told.error_most))
+                        (text::change(joint.slides, told.error_most))
                     }
                     small { "at " (format!("{:.2} s", told.error_most_s)) }
                 }
-                td { (words::number(told.effort)) (unit) }
-                td { (known(told.current_a, words::number(told.current_a))) }
+                td { (text::number(told.effort)) (unit) }
+                td { (known(told.current_a, text::number(told.current_a))) }
                 td { (known(told.celsius, format!("{:.0}", told.celsius))) }
                 td { (format!("{:.0} %", 100.0 * told.limited_share())) }
             }

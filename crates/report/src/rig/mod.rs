@@ -2,8 +2,8 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde::Serialize;
-use sinew_rig::mechanism::{Freedom, Link, Mechanism};
-use sinew_rig::review::{FreedomReview, Review};
+use sinew_rig::mechanism::{JointModel, Link, Mechanism};
+use sinew_rig::review::{DofReview, Review};
 
 use super::head::head;
 use super::palette;
@@ -20,7 +20,7 @@ const STYLE: &str = include_str!("assets/view.css");
 #[derive(Debug, Serialize)]
 struct Data<'a> {
     bodies: Vec<Body<'a>>,
-    freedoms: Vec<FreedomData<'a>>,
+    dofs: Vec<DofData<'a>>,
 }
 
 /// A body as `kinematics.js` takes it.
@@ -40,7 +40,7 @@ pub(super) struct Body<'a> {
 
 /// A slider.
 #[derive(Debug, Serialize)]
-struct FreedomData<'a> {
+struct DofData<'a> {
     body: usize,
     axis: usize,
     name: &'a str,
@@ -111,12 +111,12 @@ fn markup(name: &str, mechanism: &Mechanism, review: &Review, data: &str) -> Mar
 
 fn summary(mechanism: &Mechanism, review: &Review) -> String {
     let base = match mechanism.bodies.first().map(|base| base.joint) {
-        Some(Freedom::Free) => "a driven base",
+        Some(JointModel::Free) => "a driven base",
         _ => "a fixed base",
     };
     format!(
         "{} bodies, {} degrees of freedom, {:.3} kg, on {base}.",
-        review.bodies, review.freedoms, review.mass_kg
+        review.bodies, review.dofs, review.mass_kg
     )
 }
 
@@ -141,27 +141,22 @@ pub(super) fn bodies<'a>(mechanism: &'a Mechanism) -> Vec<Body<'a>> {
 }
 
 fn data<'a>(mechanism: &'a Mechanism, review: &'a Review) -> Data<'a> {
-    let mut reviews = review.by_freedom.iter();
-    let mut freedoms = Vec::new();
+    let mut reviews = review.by_dof.iter();
+    let mut dofs = Vec::new();
     for (body, link) in mechanism.bodies.iter().enumerate() {
-        for axis in 0..link.joint.kind().degrees_of_freedom() {
+        for axis in 0..link.joint.kind().dof_count() {
             let Some(review) = reviews.next() else { continue };
             // The base's drive is no joint of the rig.
-            if link.joint != Freedom::Free {
-                freedoms.push(freedom(link, body, axis, review));
+            if link.joint != JointModel::Free {
+                dofs.push(dof(link, body, axis, review));
             }
         }
     }
-    Data { bodies: bodies(mechanism), freedoms }
+    Data { bodies: bodies(mechanism), dofs }
 }
 
-fn freedom<'a>(
-    link: &'a Link,
-    body: usize,
-    axis: usize,
-    review: &'a FreedomReview,
-) -> FreedomData<'a> {
-    let ball = link.joint == Freedom::Spherical;
+fn dof<'a>(link: &'a Link, body: usize, axis: usize, review: &'a DofReview) -> DofData<'a> {
+    let ball = link.joint == JointModel::Spherical;
     // A ball joint has one limit for all directions.
     let given = link.ranges.get(if ball { 0 } else { axis }).copied();
     let range = match given {
@@ -170,7 +165,7 @@ fn freedom<'a>(
     };
     let any =
         if review.slides { [-0.1, 0.1] } else { [-std::f64::consts::PI, std::f64::consts::PI] };
-    FreedomData {
+    DofData {
         body,
         axis,
         name: &review.name,
@@ -183,15 +178,15 @@ fn freedom<'a>(
     }
 }
 
-fn kind(joint: Freedom) -> (&'static str, Vec<[f64; 3]>) {
+fn kind(joint: JointModel) -> (&'static str, Vec<[f64; 3]>) {
     match joint {
-        Freedom::Fixed => ("fixed", vec![]),
-        Freedom::Revolute(axis) => ("revolute", vec![axis.to_array()]),
-        Freedom::Prismatic(axis) => ("prismatic", vec![axis.to_array()]),
-        Freedom::Universal(axes) => ("universal", axes.map(|axis| axis.to_array()).to_vec()),
-        Freedom::Spherical => {
+        JointModel::Fixed => ("fixed", vec![]),
+        JointModel::Revolute(axis) => ("revolute", vec![axis.to_array()]),
+        JointModel::Prismatic(axis) => ("prismatic", vec![axis.to_array()]),
+        JointModel::Universal(axes) => ("universal", axes.map(|axis| axis.to_array()).to_vec()),
+        JointModel::Spherical => {
             ("spherical", vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
         }
-        Freedom::Free => ("free", vec![]),
+        JointModel::Free => ("free", vec![]),
     }
 }

@@ -1,20 +1,20 @@
 //! A rig for tests.
 
 use glam::{DMat3, DVec3};
-use sinew_rig::mechanism::{Freedom, Link, Mechanism};
+use sinew_rig::mechanism::{JointModel, Link, Mechanism};
 
 /// An arm of six joints that stands upright: links of 0.1 m, the hand 0.08 m.
 pub(crate) fn arm() -> Mechanism {
     let joints = [
-        Freedom::Fixed,
-        Freedom::Revolute(DVec3::Y),
-        Freedom::Revolute(DVec3::X),
-        Freedom::Revolute(DVec3::X),
-        Freedom::Revolute(DVec3::Y),
-        Freedom::Revolute(DVec3::X),
-        Freedom::Revolute(DVec3::Y),
+        JointModel::Fixed,
+        JointModel::Revolute(DVec3::Y),
+        JointModel::Revolute(DVec3::X),
+        JointModel::Revolute(DVec3::X),
+        JointModel::Revolute(DVec3::Y),
+        JointModel::Revolute(DVec3::X),
+        JointModel::Revolute(DVec3::Y),
     ];
-    let link = |(body, joint): (usize, Freedom)| {
+    let link = |(body, joint): (usize, JointModel)| {
         let parent = body.checked_sub(1);
         let up = if parent.is_some() { DVec3::Y * 0.1 } else { DVec3::ZERO };
         Link {

@@ -1,7 +1,7 @@
 //! The mannequin of any rig: a round part from every joint to the next ones.
 
 use glam::DVec3;
-use sinew_rig::mechanism::{Freedom, Link, Mechanism};
+use sinew_rig::mechanism::{JointModel, Link, Mechanism};
 
 use super::mannequin::{Mannequin, Part};
 
@@ -47,7 +47,7 @@ impl Mannequin {
         for (body, link) in bodies.iter().enumerate() {
             if let Some(parent) = hinged(link)
                 && (link.position_m.length() > SHORTEST * size_m
-                    || matches!(link.joint, Freedom::Prismatic(_)))
+                    || matches!(link.joint, JointModel::Prismatic(_)))
             {
                 // A thin limb on a thick body is thin from the beginning.
                 let (from, to) = (radius_m(parent), radius_m(body));
@@ -71,7 +71,7 @@ impl Mannequin {
 
 /// The body that a joint holds a link to. What is free only happens to be counted from there.
 fn hinged(link: &Link) -> Option<usize> {
-    link.parent.filter(|_| link.joint != Freedom::Free)
+    link.parent.filter(|_| link.joint != JointModel::Free)
 }
 
 /// Where a leaf ends in its own frame, in metres.

@@ -5,7 +5,7 @@ use sinew_rig::actuation::Actuation;
 use sinew_rig::description::{Description, DescriptionError};
 use sinew_rig::drive::DriveInputError;
 use sinew_rig::limited::NotFinite;
-use sinew_rig::mechanism::{Freedom, Mechanism};
+use sinew_rig::mechanism::{JointModel, Mechanism};
 use sinew_rig::servo::Address;
 use thiserror::Error;
 
@@ -245,7 +245,7 @@ fn actuation(rig: &Description) -> Result<Actuation, ServoTrackError> {
 
 /// Where in `q` the coordinates of each joint of a description are.
 struct Places {
-    joints: Vec<Option<(Freedom, std::ops::Range<usize>)>>,
+    joints: Vec<Option<(JointModel, std::ops::Range<usize>)>>,
 }
 
 impl Places {
@@ -262,15 +262,15 @@ impl Places {
 
     /// Coordinates of a joint as a drive has them: of a ball joint its rotation vector.
     fn of_joint(&self, joint: usize, q: &[f64]) -> Vec<f32> {
-        let Some((freedom, range)) = &self.joints[joint] else { return Vec::new() };
+        let Some((dof, range)) = &self.joints[joint] else { return Vec::new() };
         let of_joint = q.get(range.clone()).unwrap_or_default();
         let single = |x: &f64| {
             #[expect(clippy::cast_possible_truncation, reason = "drives compute in f32")]
             let single = *x as f32;
             single
         };
-        match (freedom, of_joint) {
-            (Freedom::Spherical, &[x, y, z, w]) => {
+        match (dof, of_joint) {
+            (JointModel::Spherical, &[x, y, z, w]) => {
                 let turn = DQuat::from_xyzw(x, y, z, w).to_scaled_axis();
                 turn.to_array().iter().map(single).collect()
             }
@@ -280,11 +280,11 @@ impl Places {
 
     /// Puts what a drive says of a joint into `q`; returns what is left.
     fn take<'a>(&self, joint: usize, of_drive: &'a [f32], q: &mut [f64]) -> &'a [f32] {
-        let Some((freedom, range)) = &self.joints[joint] else { return of_drive };
-        let count = freedom.kind().degrees_of_freedom();
+        let Some((dof, range)) = &self.joints[joint] else { return of_drive };
+        let count = dof.kind().dof_count();
         let (own, rest) = of_drive.split_at_checked(count).unwrap_or_default();
         let slots = &mut q[range.clone()];
-        if let (Freedom::Spherical, &[x, y, z]) = (freedom, own) {
+        if let (JointModel::Spherical, &[x, y, z]) = (dof, own) {
             let turn = glam::DVec3::new(f64::from(x), f64::from(y), f64::from(z));
             slots.copy_from_slice(&DQuat::from_scaled_axis(turn).to_array());
         } else {

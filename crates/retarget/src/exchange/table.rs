@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use glam::DQuat;
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::{Freedom, Link};
+use sinew_rig::mechanism::{JointModel, Link};
 
 use crate::feasibility::{MotionError, RigMotion};
 
@@ -33,7 +33,7 @@ pub fn csv(mechanism: &Mechanism, motion: &RigMotion, start_s: f64) -> String {
         number(&mut text, start_s + row as f64 * motion.dt_s);
         let poses = mechanism.poses(q);
         for ((link, range), pose) in mechanism.bodies.iter().zip(&ranges).zip(&poses) {
-            if link.joint == Freedom::Free {
+            if link.joint == JointModel::Free {
                 let rotation = to_z_up() * pose.rotation;
                 let position = to_z_up() * pose.position_m;
                 let [x, y, z, w] = rotation.to_array();
@@ -57,11 +57,11 @@ pub fn csv(mechanism: &Mechanism, motion: &RigMotion, start_s: f64) -> String {
 fn columns(link: &Link) -> Vec<String> {
     let name = &link.joint_name;
     match link.joint {
-        Freedom::Fixed => vec![],
-        Freedom::Revolute(_) | Freedom::Prismatic(_) => vec![name.clone()],
-        Freedom::Universal(_) => ["0", "1"].map(|axis| format!("{name}.{axis}")).to_vec(),
-        Freedom::Spherical => ["x", "y", "z", "w"].map(|part| format!("{name}.{part}")).to_vec(),
-        Freedom::Free => {
+        JointModel::Fixed => vec![],
+        JointModel::Revolute(_) | JointModel::Prismatic(_) => vec![name.clone()],
+        JointModel::Universal(_) => ["0", "1"].map(|axis| format!("{name}.{axis}")).to_vec(),
+        JointModel::Spherical => ["x", "y", "z", "w"].map(|part| format!("{name}.{part}")).to_vec(),
+        JointModel::Free => {
             ["x", "y", "z", "qw", "qx", "qy", "qz"].map(|part| format!("root_{part}")).to_vec()
         }
     }
@@ -127,7 +127,7 @@ pub enum TableError {
 /// [`TableError`] names line and column.
 pub fn read(mechanism: &Mechanism, text: &str) -> Result<(RigMotion, f64), TableError> {
     let names: Vec<String> = mechanism.bodies.iter().flat_map(columns).collect();
-    if mechanism.bodies.iter().any(|link| link.joint == Freedom::Free) {
+    if mechanism.bodies.iter().any(|link| link.joint == JointModel::Free) {
         return Err(TableError::Travels);
     }
     let text = text.trim_start_matches('\u{feff}');

@@ -1,5 +1,5 @@
 use sinew_mocap::forward_kinematics;
-use sinew_rig::mechanism::Freedom;
+use sinew_rig::mechanism::JointModel;
 use sinew_rig::new::{arm, face};
 
 use super::*;
@@ -11,7 +11,7 @@ fn swing(mechanism: &sinew_rig::Mechanism) -> RigMotion {
         .map(|row| {
             let mut q = mechanism.home();
             for (link, range) in mechanism.bodies.iter().zip(&ranges) {
-                if let (Freedom::Revolute(_), Some([least, most])) =
+                if let (JointModel::Revolute(_), Some([least, most])) =
                     (link.joint, link.ranges.first())
                 {
                     let share = 0.5 + 0.4 * libm::sin(0.1 * f64::from(row) + range.start as f64);

@@ -72,11 +72,12 @@ impl Kind {
     }
 }
 
-/// A time over which a freedom is beyond a limit.
+/// A time over which a dof is beyond a limit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Excess {
-    /// The freedom's index in the order of `qd`.
-    pub freedom: usize,
+    /// The dof's index in the order of `qd`.
+    #[serde(rename = "freedom")]
+    pub dof: usize,
     /// Of what.
     pub kind: Kind,
     /// From when, s.
@@ -91,9 +92,9 @@ pub struct Excess {
     pub limit: f64,
 }
 
-/// The largest values of a freedom, without their signs.
+/// The largest values of a dof, without their signs.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct FreedomPeaks {
+pub struct DofPeaks {
     /// Least position, rad or m.
     pub least: f64,
     /// Most position.
@@ -113,9 +114,9 @@ pub struct FreedomPeaks {
 pub struct Report {
     /// How long the motion is, s.
     pub duration_s: f64,
-    /// By freedom, in the order of `qd`.
-    pub peaks: Vec<FreedomPeaks>,
-    /// By freedom, then in time.
+    /// By dof, in the order of `qd`.
+    pub peaks: Vec<DofPeaks>,
+    /// By dof, then in time.
     pub excesses: Vec<Excess>,
 }
 
@@ -181,19 +182,19 @@ pub fn check(
 /// What is known so far.
 pub(super) struct Tally<'a> {
     limits: &'a Limits,
-    /// The freedoms that are told to be beyond; without a list all are.
+    /// The dofs that are told to be beyond; without a list all are.
     pub(super) watched: Option<&'a [bool]>,
     dt_s: f64,
-    /// Where in `q` the position of each freedom is; of ball joints, and of a driven base, none.
+    /// Where in `q` the position of each dof is; of ball joints, and of a driven base, none.
     places: Vec<Option<usize>>,
-    /// Where in `q` the coordinates of each body are, and its first freedom.
+    /// Where in `q` the coordinates of each body are, and its first dof.
     joints: Vec<(Range<usize>, usize)>,
     /// Mean squares of efforts, as heat counts them.
     heat: Vec<f64>,
     squares: Vec<f64>,
-    peaks: Vec<FreedomPeaks>,
+    peaks: Vec<DofPeaks>,
     excesses: Vec<Excess>,
-    /// The last excess of a freedom and kind, in `excesses`.
+    /// The last excess of a dof and kind, in `excesses`.
     open: Vec<[Option<usize>; Kind::COUNT]>,
 }
 
@@ -201,29 +202,26 @@ impl<'a> Tally<'a> {
     pub(super) fn new(mechanism: &Mechanism, limits: &'a Limits, rate_hz: f64) -> Self {
         let (mut places, mut joints) = (Vec::new(), Vec::new());
         for (link, range) in mechanism.bodies.iter().zip(mechanism.coordinate_ranges()) {
-            let count = link.joint.kind().degrees_of_freedom();
+            let count = link.joint.kind().dof_count();
             let scalar = range.len() == count;
             let first = places.len();
             places.extend((0..count).map(|axis| scalar.then_some(range.start + axis)));
             joints.push((range, first));
         }
-        let freedoms = places.len();
-        let peaks = FreedomPeaks {
-            least: f64::INFINITY,
-            most: f64::NEG_INFINITY,
-            ..FreedomPeaks::default()
-        };
+        let dofs = places.len();
+        let peaks =
+            DofPeaks { least: f64::INFINITY, most: f64::NEG_INFINITY, ..DofPeaks::default() };
         Self {
             limits,
             watched: None,
             dt_s: rate_hz.recip(),
             places,
             joints,
-            heat: vec![0.0; freedoms],
-            squares: vec![0.0; freedoms],
-            peaks: vec![peaks; freedoms],
+            heat: vec![0.0; dofs],
+            squares: vec![0.0; dofs],
+            peaks: vec![peaks; dofs],
             excesses: Vec::new(),
-            open: vec![[None; Kind::COUNT]; freedoms],
+            open: vec![[None; Kind::COUNT]; dofs],
         }
     }
 
@@ -232,22 +230,22 @@ impl<'a> Tally<'a> {
     pub(super) fn take(&mut self, time_s: f64, instant: &Instant, efforts: &[f64]) -> bool {
         let limits = self.limits;
         let mut is_beyond = false;
-        for (freedom, (limits, effort)) in limits.freedoms.iter().zip(efforts).enumerate() {
-            let (speed, acceleration) = (instant.qd[freedom], instant.qdd[freedom]);
+        for (dof, (limits, effort)) in limits.dofs.iter().zip(efforts).enumerate() {
+            let (speed, acceleration) = (instant.qd[dof], instant.qdd[dof]);
             let effort = *effort;
-            let peaks = &mut self.peaks[freedom];
+            let peaks = &mut self.peaks[dof];
             peaks.speed = peaks.speed.max(speed.abs());
             peaks.acceleration = peaks.acceleration.max(acceleration.abs());
             peaks.effort = peaks.effort.max(effort.abs());
-            self.squares[freedom] += effort * effort;
-            if let Some(place) = self.places[freedom] {
+            self.squares[dof] += effort * effort;
+            if let Some(place) = self.places[dof] {
                 let position = instant.q[place];
                 peaks.least = peaks.least.min(position);
                 peaks.most = peaks.most.max(position);
                 let [least, most] = limits.range;
                 let end = if position < least { least } else { most };
                 if position < least || position > most {
-                    self.note(freedom, Kind::Range, time_s, position, end);
+                    self.note(dof, Kind::Range, time_s, position, end);
                 }
             }
             for (kind, value, limit) in [
@@ -257,17 +255,17 @@ impl<'a> Tally<'a> {
             ] {
                 let beyond = value.abs() > limit;
                 if beyond {
-                    is_beyond |= self.watched.is_none_or(|watched| watched[freedom]);
-                    self.note(freedom, kind, time_s, value.abs(), limit);
+                    is_beyond |= self.watched.is_none_or(|watched| watched[dof]);
+                    self.note(dof, kind, time_s, value.abs(), limit);
                 }
             }
             if let Some(heat) = limits.heat {
                 // A low-pass of the square: what warms a motor, over the time that it takes to.
                 let share = self.dt_s / heat.time_s;
-                self.heat[freedom] += (effort * effort - self.heat[freedom]) * share.min(1.0);
-                let mean = libm::sqrt(self.heat[freedom]);
+                self.heat[dof] += (effort * effort - self.heat[dof]) * share.min(1.0);
+                let mean = libm::sqrt(self.heat[dof]);
                 if mean > heat.continuous {
-                    self.note(freedom, Kind::Heat, time_s, mean, heat.continuous);
+                    self.note(dof, Kind::Heat, time_s, mean, heat.continuous);
                 }
             }
         }
@@ -278,11 +276,11 @@ impl<'a> Tally<'a> {
     /// Turns of ball joints, and limits that join two joints.
     fn take_joined(&mut self, time_s: f64, instant: &Instant) {
         for (body, most) in &self.limits.turns {
-            let (range, freedom) = self.joints[*body].clone();
+            let (range, dof) = self.joints[*body].clone();
             let Some(&[x, y, z, w]) = instant.q.get(range) else { continue };
             let turn = 2.0 * libm::atan2(libm::sqrt(x * x + y * y + z * z), w.abs());
             if turn > *most {
-                self.note(freedom, Kind::Range, time_s, turn, *most);
+                self.note(dof, Kind::Range, time_s, turn, *most);
             }
         }
         for linked in &self.limits.linked {
@@ -300,9 +298,9 @@ impl<'a> Tally<'a> {
         }
     }
 
-    /// Notes that a freedom is beyond a limit.
-    fn note(&mut self, freedom: usize, kind: Kind, time_s: f64, value: f64, limit: f64) {
-        let open = &mut self.open[freedom][kind as usize];
+    /// Notes that a dof is beyond a limit.
+    fn note(&mut self, dof: usize, kind: Kind, time_s: f64, value: f64, limit: f64) {
+        let open = &mut self.open[dof][kind as usize];
         if let Some(open) = *open {
             let excess = &mut self.excesses[open];
             if time_s - excess.to_s <= GAP_S {
@@ -315,7 +313,7 @@ impl<'a> Tally<'a> {
         }
         *open = Some(self.excesses.len());
         self.excesses.push(Excess {
-            freedom,
+            dof,
             kind,
             from_s: time_s,
             to_s: time_s,
@@ -333,14 +331,14 @@ impl<'a> Tally<'a> {
             }
         }
         // Played again and again, a drive comes to the mean of the whole.
-        for freedom in 0..self.peaks.len() {
-            let value = self.peaks[freedom].effort_rms;
-            let limit = self.limits.freedoms[freedom].heat.map(|heat| heat.continuous);
-            let is_told = self.open[freedom][Kind::Heat as usize].is_some();
+        for dof in 0..self.peaks.len() {
+            let value = self.peaks[dof].effort_rms;
+            let limit = self.limits.dofs[dof].heat.map(|heat| heat.continuous);
+            let is_told = self.open[dof][Kind::Heat as usize].is_some();
             if let Some(limit) = limit.filter(|limit| value > *limit && !is_told) {
                 let (from_s, to_s, worst_s) = (0.0, duration_s, duration_s);
                 self.excesses.push(Excess {
-                    freedom,
+                    dof,
                     kind: Kind::Heat,
                     from_s,
                     to_s,
@@ -351,7 +349,7 @@ impl<'a> Tally<'a> {
             }
         }
         self.excesses.sort_by(|a, b| {
-            (a.freedom, a.kind).cmp(&(b.freedom, b.kind)).then(a.from_s.total_cmp(&b.from_s))
+            (a.dof, a.kind).cmp(&(b.dof, b.kind)).then(a.from_s.total_cmp(&b.from_s))
         });
         Report { duration_s, peaks: self.peaks, excesses: self.excesses }
     }

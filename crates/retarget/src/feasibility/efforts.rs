@@ -7,7 +7,7 @@ use sinew_rig::mechanism::{InverseDynamics, LANES};
 
 use super::check::CheckError;
 use super::curve::{Instant, Performance};
-use super::limits::{FreedomLimits, Limits};
+use super::limits::{DofLimits, Limits};
 
 /// Computes the efforts of instants, with rotors and friction: what [`check`](super::check()) compares with limits.
 #[derive(Debug)]
@@ -15,7 +15,7 @@ pub struct Efforts {
     dynamics: InverseDynamics,
     single: [Vec<f32>; 3],
     side_by_side: [Vec<[f32; LANES]>; 3],
-    /// What friction takes of each freedom: Coulomb's, and per speed.
+    /// What friction takes of each dof: Coulomb's, and per speed.
     friction: Vec<[f64; 2]>,
     /// Whether anybody asks for them: else they are told as zero.
     is_asked: bool,
@@ -28,7 +28,7 @@ impl Efforts {
     /// [`TreeError`] if the rig is larger than the core takes.
     pub fn of(mechanism: &Mechanism) -> Result<Self, TreeError> {
         let of_link = |link: &sinew_rig::mechanism::Link| {
-            let count = link.joint.kind().degrees_of_freedom();
+            let count = link.joint.kind().dof_count();
             std::iter::repeat_n([link.friction, link.damping], count)
         };
         Ok(Self {
@@ -42,20 +42,20 @@ impl Efforts {
 
     /// The same for comparing instants with limits: of a rig without a limit of effort or heat no dynamics is computed.
     pub(super) fn asked_by(mechanism: &Mechanism, limits: &Limits) -> Result<Self, TreeError> {
-        let asks = |limits: &FreedomLimits| limits.effort.is_finite() || limits.heat.is_some();
-        Ok(Self { is_asked: limits.freedoms.iter().any(asks), ..Self::of(mechanism)? })
+        let asks = |limits: &DofLimits| limits.effort.is_finite() || limits.heat.is_some();
+        Ok(Self { is_asked: limits.dofs.iter().any(asks), ..Self::of(mechanism)? })
     }
 
-    /// What dry friction takes of a freedom at a speed, N m or N: softened below 0.01 rad/s, so that a joint that
+    /// What dry friction takes of a dof at a speed, N m or N: softened below 0.01 rad/s, so that a joint that
     /// stands asks for none.
-    pub fn dry_friction(&self, freedom: usize, speed: f64) -> f64 {
-        let [dry, _] = self.friction[freedom];
+    pub fn dry_friction(&self, dof: usize, speed: f64) -> f64 {
+        let [dry, _] = self.friction[dof];
         dry * (speed / 0.01).clamp(-1.0, 1.0)
     }
 
-    /// What friction that grows with the speed takes of a freedom, N m or N.
-    pub(super) fn viscous_friction(&self, freedom: usize, speed: f64) -> f64 {
-        let [_, viscous] = self.friction[freedom];
+    /// What friction that grows with the speed takes of a dof, N m or N.
+    pub(super) fn viscous_friction(&self, dof: usize, speed: f64) -> f64 {
+        let [_, viscous] = self.friction[dof];
         viscous * speed
     }
 
@@ -65,8 +65,8 @@ impl Efforts {
     /// [`CoordinatesError`] if the instant is none of the rig.
     pub fn at(&mut self, instant: &Instant, out: &mut Vec<f64>) -> Result<(), CoordinatesError> {
         self.without_friction([&instant.q, &instant.qd, &instant.qdd], out)?;
-        for (freedom, (effort, speed)) in out.iter_mut().zip(&instant.qd).enumerate() {
-            *effort += self.dry_friction(freedom, *speed) + self.viscous_friction(freedom, *speed);
+        for (dof, (effort, speed)) in out.iter_mut().zip(&instant.qd).enumerate() {
+            *effort += self.dry_friction(dof, *speed) + self.viscous_friction(dof, *speed);
         }
         Ok(())
     }
@@ -130,9 +130,8 @@ impl Efforts {
     ) -> Result<(), CheckError> {
         self.of_motions(times_s, instants.map(|Instant { q, qd, qdd }| [&q[..], qd, qdd]), out)?;
         for (instant, efforts) in instants.into_iter().zip(out) {
-            for (freedom, (effort, speed)) in efforts.iter_mut().zip(&instant.qd).enumerate() {
-                *effort +=
-                    self.dry_friction(freedom, *speed) + self.viscous_friction(freedom, *speed);
+            for (dof, (effort, speed)) in efforts.iter_mut().zip(&instant.qd).enumerate() {
+                *effort += self.dry_friction(dof, *speed) + self.viscous_friction(dof, *speed);
             }
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! What a rig's joints may do.
 
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::{Freedom, Link, LinkedRange};
+use sinew_rig::mechanism::{JointModel, Link, LinkedRange};
 use sinew_rig::review::Servos;
 
 use super::check::{Excess, Kind, Report};
@@ -11,8 +11,8 @@ const THERMAL_TIME_S: f64 = 60.0;
 
 /// The limits of one degree of freedom. Infinite where there is none.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FreedomLimits {
-    /// Its name, see [`Mechanism::freedom_names`].
+pub struct DofLimits {
+    /// Its name, see [`Mechanism::dof_names`].
     pub name: String,
     /// Body that its joint moves.
     pub joint: usize,
@@ -43,7 +43,7 @@ pub struct Heat {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Limits {
     /// Of each degree of freedom, in the order of `qd`. Of a driven base there are none.
-    pub freedoms: Vec<FreedomLimits>,
+    pub dofs: Vec<DofLimits>,
     /// The largest turn of each ball joint from its zero pose, rad: its body, and the turn.
     pub turns: Vec<(usize, f64)>,
     /// Limits that join two joints.
@@ -53,22 +53,22 @@ pub struct Limits {
 impl Limits {
     /// The limits in the rig's description, and what its servos give for long.
     pub fn of(mechanism: &Mechanism, servos: &Servos) -> Self {
-        let mut names = mechanism.freedom_names().into_iter();
-        let mut heat = servos.by_freedom.iter();
-        let (mut freedoms, mut turns) = (Vec::new(), Vec::new());
+        let mut names = mechanism.dof_names().into_iter();
+        let mut heat = servos.by_dof.iter();
+        let (mut dofs, mut turns) = (Vec::new(), Vec::new());
         for (body, link) in mechanism.bodies.iter().enumerate() {
-            if let (Freedom::Spherical, Some([_, most])) = (link.joint, link.ranges.first()) {
+            if let (JointModel::Spherical, Some([_, most])) = (link.joint, link.ranges.first()) {
                 turns.push((body, *most));
             }
-            for axis in 0..link.joint.kind().degrees_of_freedom() {
+            for axis in 0..link.joint.kind().dof_count() {
                 let servo = heat.next().and_then(Option::as_ref);
                 let none = f64::INFINITY;
-                let driven = link.joint == Freedom::Free;
+                let driven = link.joint == JointModel::Free;
                 let or_none = |limit: f64| if driven { none } else { limit };
-                freedoms.push(FreedomLimits {
+                dofs.push(DofLimits {
                     name: names.next().unwrap_or_default(),
                     joint: body,
-                    slides: matches!(link.joint, Freedom::Prismatic(_)) || (driven && axis >= 3),
+                    slides: matches!(link.joint, JointModel::Prismatic(_)) || (driven && axis >= 3),
                     range: range(link, axis),
                     speed: or_none(link.speed),
                     acceleration: or_none(link.acceleration),
@@ -78,17 +78,17 @@ impl Limits {
                 });
             }
         }
-        Self { freedoms, turns, linked: mechanism.linked.clone() }
+        Self { dofs, turns, linked: mechanism.linked.clone() }
     }
 
     /// The same with every limit of speed, acceleration and effort at a share of itself: room for what a spline adds.
     #[must_use]
     pub fn at(&self, share: f64) -> Self {
         let mut limits = self.clone();
-        for freedom in &mut limits.freedoms {
-            freedom.speed *= share;
-            freedom.acceleration *= share;
-            freedom.effort *= share;
+        for dof in &mut limits.dofs {
+            dof.speed *= share;
+            dof.acceleration *= share;
+            dof.effort *= share;
         }
         limits
     }
@@ -104,27 +104,25 @@ impl Limits {
     pub fn tightened(&self, report: &Report) -> Self {
         let mut limits = self.clone();
         let beyond = |excess: &Excess| (excess.value - excess.limit).abs();
-        for of_limit in report.excesses.chunk_by(|a, b| (a.freedom, a.kind) == (b.freedom, b.kind))
-        {
+        for of_limit in report.excesses.chunk_by(|a, b| (a.dof, a.kind) == (b.dof, b.kind)) {
             let excess = &of_limit[0];
-            let freedom = &mut limits.freedoms[excess.freedom];
-            let joint = freedom.joint;
+            let dof = &mut limits.dofs[excess.dof];
+            let joint = dof.joint;
             let beyond = 1.5 * of_limit.iter().map(beyond).fold(0.0, f64::max);
             match excess.kind {
-                Kind::Speed => freedom.speed *= TIGHTER,
-                Kind::Acceleration => freedom.acceleration *= TIGHTER,
-                Kind::Effort => freedom.effort *= TIGHTER,
+                Kind::Speed => dof.speed *= TIGHTER,
+                Kind::Acceleration => dof.acceleration *= TIGHTER,
+                Kind::Effort => dof.effort *= TIGHTER,
                 Kind::Heat => {
-                    freedom.heat = freedom
-                        .heat
-                        .map(|heat| Heat { continuous: TIGHTER * heat.continuous, ..heat });
+                    dof.heat =
+                        dof.heat.map(|heat| Heat { continuous: TIGHTER * heat.continuous, ..heat });
                 }
                 Kind::Range => {
                     let turn = limits.turns.iter_mut().find(|(body, _)| *body == joint);
                     if let Some((_, most_rad)) = turn {
                         *most_rad -= beyond;
                     } else {
-                        freedom.range = narrower(freedom.range, beyond);
+                        dof.range = narrower(dof.range, beyond);
                     }
                 }
                 Kind::LinkedRange => {
@@ -146,7 +144,7 @@ fn narrower([least, most]: [f64; 2], by: f64) -> [f64; 2] {
 
 fn range(link: &Link, axis: usize) -> [f64; 2] {
     match link.joint {
-        Freedom::Revolute(_) | Freedom::Prismatic(_) | Freedom::Universal(_) => {
+        JointModel::Revolute(_) | JointModel::Prismatic(_) | JointModel::Universal(_) => {
             link.ranges.get(axis).copied().unwrap_or([f64::NEG_INFINITY, f64::INFINITY])
         }
         _ => [f64::NEG_INFINITY, f64::INFINITY],

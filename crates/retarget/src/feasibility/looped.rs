@@ -1,12 +1,12 @@
 //! A motion whose end meets its beginning.
 
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::Freedom;
+use sinew_rig::mechanism::JointModel;
 use thiserror::Error;
 
 use super::check::{CheckError, Excess, Kind, check};
 use super::curve::{Curve, align_quaternions};
-use super::limits::{FreedomLimits, Limits};
+use super::limits::{DofLimits, Limits};
 use super::motion::{MotionError, RigMotion};
 use super::rows::Rows;
 
@@ -85,7 +85,7 @@ pub enum LoopError {
         kind.shown(*slides, *limit)
     )]
     Beyond {
-        /// The freedom.
+        /// The dof.
         joint: String,
         /// Whether it slides.
         slides: bool,
@@ -154,7 +154,7 @@ pub fn looped(
                 ];
             }
         }
-        if link.joint == Freedom::Free {
+        if link.joint == JointModel::Free {
             let joint = &link.joint_name;
             check_travel(joint, &motion.rows, range.start + 4..range.end, [dt_s, span as f64])?;
         }
@@ -180,7 +180,7 @@ pub fn looped(
             } else {
                 range.clone().map(|k| (now[k] - given[k]).abs()).fold(0.0, f64::max)
             };
-            if link.joint != Freedom::Free && change > most.1 {
+            if link.joint != JointModel::Free && change > most.1 {
                 most = (body, change);
             }
         }
@@ -211,11 +211,11 @@ impl Looped {
         let beyond = |excess: &Excess| (excess.value - excess.limit).abs();
         let from_s = self.motion.duration_s() - self.blend_s;
         for excess in excesses(&self.motion)? {
-            let Excess { freedom, kind, to_s, value, limit, .. } = excess;
-            let was = before.iter().filter(|was| (was.freedom, was.kind) == (freedom, kind));
+            let Excess { dof, kind, to_s, value, limit, .. } = excess;
+            let was = before.iter().filter(|was| (was.dof, was.kind) == (dof, kind));
             let is_new = was.fold(0.0, |most, was| f64::max(most, beyond(was))) < beyond(&excess);
             if is_new && to_s >= from_s && kind != Kind::Heat {
-                let FreedomLimits { name, slides, .. } = &limits.freedoms[freedom];
+                let DofLimits { name, slides, .. } = &limits.dofs[dof];
                 let (joint, slides, blend_s) = (name.clone(), *slides, self.blend_s);
                 return Err(LoopError::Beyond { joint, slides, kind, value, limit, blend_s });
             }
@@ -276,13 +276,13 @@ mod tests {
             joint_name: "hinge".into(),
             ranges: vec![[-2.0, 2.0]],
             speed: 3.0,
-            ..Link::on(Some(0), Freedom::Revolute(DVec3::Z), DVec3::ZERO)
+            ..Link::on(Some(0), JointModel::Revolute(DVec3::Z), DVec3::ZERO)
         };
         let ball = Link {
             joint_name: "ball".into(),
-            ..Link::on(Some(1), Freedom::Spherical, DVec3::ZERO)
+            ..Link::on(Some(1), JointModel::Spherical, DVec3::ZERO)
         };
-        let base = Link::on(None, Freedom::Free, DVec3::ZERO);
+        let base = Link::on(None, JointModel::Free, DVec3::ZERO);
         Mechanism { bodies: vec![base, hinge, ball], linked: vec![] }
     }
 

@@ -22,10 +22,10 @@ mod rows;
 #[cfg(test)]
 mod tests;
 
-pub use check::{CheckError, Excess, FreedomPeaks, Kind, Report, check, rate_at_rows};
+pub use check::{CheckError, DofPeaks, Excess, Kind, Report, check, rate_at_rows};
 pub use curve::{Curve, Instant, Performance};
 pub use efforts::Efforts;
 pub use fit::{Fit, FitError, FitSettings, Lowered, Progress, Smoothed, fit, refit};
-pub use limits::{FreedomLimits, Heat, Limits};
+pub use limits::{DofLimits, Heat, Limits};
 pub use looped::{LoopError, Looped, looped};
 pub use motion::{MotionError, RigMotion};

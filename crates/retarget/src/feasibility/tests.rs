@@ -1,7 +1,7 @@
 use glam::{DMat3, DQuat, DVec3};
 use proptest::prelude::*;
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::{Freedom, Link, LinkedRange};
+use sinew_rig::mechanism::{JointModel, Link, LinkedRange};
 use sinew_rig::review::Servos;
 
 use super::*;
@@ -21,8 +21,8 @@ fn arm(effort: f64) -> Mechanism {
         home: vec![-1.4],
         ..Link::on(Some(parent), joint, DVec3::X * x)
     };
-    let bend = Freedom::Revolute(DVec3::Z);
-    let base = Link::on(None, Freedom::Fixed, DVec3::ZERO);
+    let bend = JointModel::Revolute(DVec3::Z);
+    let base = Link::on(None, JointModel::Fixed, DVec3::ZERO);
     let mut elbow = rod(1, bend, 0.2, "elbow");
     elbow.home = vec![0.0];
     Mechanism { bodies: vec![base, rod(0, bend, 0.0, "shoulder"), elbow], linked: vec![] }
@@ -62,7 +62,7 @@ fn a_motion_that_is_too_fast_becomes_slower() {
     let (limits, motion) = swing(&arm, 0.7, 2.0);
     let curve = Curve::new(&arm, &motion).unwrap();
     let report = check(&arm, &limits, &curve, 1000.0).unwrap();
-    assert!(report.excesses.iter().any(|excess| excess.kind == Kind::Speed && excess.freedom == 0));
+    assert!(report.excesses.iter().any(|excess| excess.kind == Kind::Speed && excess.dof == 0));
     assert!(report.excesses.iter().any(|excess| excess.kind == Kind::Acceleration));
     let fitted = fit(&arm, &limits, &motion, FitSettings::default()).unwrap();
     exceeds_nothing(&arm, &limits, &fitted.motion);
@@ -81,7 +81,7 @@ fn a_fit_to_tighter_limits_goes_on_from_the_one_before() {
     // To the same limits there is nothing to do.
     assert_eq!(refit(&arm, &limits, &motion, &first.progress, settings).as_ref(), Ok(&first));
     let mut tight = limits.clone();
-    tight.freedoms[0].speed *= 0.8;
+    tight.dofs[0].speed *= 0.8;
     let [anew, again] = [
         fit(&arm, &tight, &motion, settings).unwrap(),
         refit(&arm, &tight, &motion, &first.progress, settings).unwrap(),
@@ -100,20 +100,20 @@ fn a_limit_is_tightened_once_however_often_it_was_exceeded() {
     let curve = Curve::new(&arm, &motion).unwrap();
     let report = check(&arm, &limits, &curve, 1000.0).unwrap();
     let of = |kind| {
-        let excesses = report.excesses.iter().filter(move |excess| excess.freedom == 0);
+        let excesses = report.excesses.iter().filter(move |excess| excess.dof == 0);
         excesses.filter(move |excess| excess.kind == kind).collect::<Vec<_>>()
     };
     assert!(of(Kind::Speed).len() > 2 && of(Kind::Range).len() > 2);
     let tight = limits.tightened(&report);
-    assert!((tight.freedoms[0].speed - 0.93 * limits.freedoms[0].speed).abs() < 1e-9);
+    assert!((tight.dofs[0].speed - 0.93 * limits.dofs[0].speed).abs() < 1e-9);
     // The range by the worst of all.
     let beyond = |excess: &&Excess| (excess.value - excess.limit).abs();
     let worst = of(Kind::Range).iter().map(beyond).fold(0.0, f64::max);
-    let [least, most] = [0, 1].map(|end| (tight.freedoms[0].range[end]).abs());
+    let [least, most] = [0, 1].map(|end| (tight.dofs[0].range[end]).abs());
     assert!((1.5 - least - 1.5 * worst).abs() < 1e-9 && (1.5 - most - 1.5 * worst).abs() < 1e-9);
     // What was not exceeded stays.
     assert!(of(Kind::Effort).is_empty());
-    assert!((tight.freedoms[0].effort - limits.freedoms[0].effort).abs() < 1e-9);
+    assert!((tight.dofs[0].effort - limits.dofs[0].effort).abs() < 1e-9);
 }
 
 #[test]
@@ -185,11 +185,11 @@ fn what_is_beyond_a_range_is_brought_back_and_told() {
 
 /// A mouth corner that slides by 8 mm.
 fn lip() -> Mechanism {
-    let base = Link::on(None, Freedom::Fixed, DVec3::ZERO);
+    let base = Link::on(None, JointModel::Fixed, DVec3::ZERO);
     let lip = Link {
         joint_name: "lip".to_owned(),
         ranges: vec![[0.0, 0.008]],
-        ..Link::on(Some(0), Freedom::Prismatic(DVec3::X), DVec3::ZERO)
+        ..Link::on(Some(0), JointModel::Prismatic(DVec3::X), DVec3::ZERO)
     };
     Mechanism { bodies: vec![base, lip], linked: vec![] }
 }
@@ -212,7 +212,7 @@ fn a_small_slide_keeps_its_way() {
 #[test]
 fn a_ball_stays_within_its_turn_and_two_joints_within_what_joins_them() {
     let mut arm = arm(20.0);
-    arm.bodies[2].joint = Freedom::Spherical;
+    arm.bodies[2].joint = JointModel::Spherical;
     arm.bodies[2].ranges = vec![[0.0, 0.6]];
     arm.bodies[2].home = vec![0.0, 0.0, 0.0, 1.0];
     let limits = Limits::of(&arm, &Servos::default());
@@ -240,7 +240,7 @@ fn a_hot_drive_is_drawn_towards_home() {
     let arm = arm(5.0);
     let (mut limits, motion) = swing(&arm, 0.5, 0.2);
     // It holds 0.3 N m for long; a motor that warms in a second.
-    limits.freedoms[0].heat = Some(Heat { continuous: 0.3, time_s: 1.0 });
+    limits.dofs[0].heat = Some(Heat { continuous: 0.3, time_s: 1.0 });
     let fitted = fit(&arm, &limits, &motion, FitSettings::default()).unwrap();
     exceeds_nothing(&arm, &limits, &fitted.motion);
     assert!(fitted.lowered.iter().any(|lowered| lowered.joint == "shoulder"));
@@ -250,9 +250,9 @@ fn a_hot_drive_is_drawn_towards_home() {
 fn what_was_exceeded_is_what_becomes_tighter() {
     let arm = arm(1.0);
     let (mut limits, _) = swing(&arm, 0.1, 0.1);
-    limits.freedoms[1].heat = Some(Heat { continuous: 0.5, time_s: 60.0 });
+    limits.dofs[1].heat = Some(Heat { continuous: 0.5, time_s: 60.0 });
     let excess = |kind, value, limit| Excess {
-        freedom: 1,
+        dof: 1,
         kind,
         from_s: 0.0,
         to_s: 0.0,
@@ -262,11 +262,11 @@ fn what_was_exceeded_is_what_becomes_tighter() {
     };
     let report = |excess| Report { duration_s: 1.0, peaks: vec![], excesses: vec![excess] };
     let tight = |kind, value, limit| limits.tightened(&report(excess(kind, value, limit)));
-    assert!(tight(Kind::Speed, 5.0, 4.0).freedoms[1].speed < 4.0);
-    assert!(tight(Kind::Heat, 0.6, 0.5).freedoms[1].heat.unwrap().continuous < 0.5);
-    assert!(tight(Kind::Heat, 0.6, 0.5).freedoms[1].effort >= 1.0);
-    assert!(tight(Kind::Range, 1.6, 1.5).freedoms[1].range[1] < 1.5);
-    assert_eq!(tight(Kind::Range, 1.6, 1.5).freedoms[0], limits.freedoms[0]);
+    assert!(tight(Kind::Speed, 5.0, 4.0).dofs[1].speed < 4.0);
+    assert!(tight(Kind::Heat, 0.6, 0.5).dofs[1].heat.unwrap().continuous < 0.5);
+    assert!(tight(Kind::Heat, 0.6, 0.5).dofs[1].effort >= 1.0);
+    assert!(tight(Kind::Range, 1.6, 1.5).dofs[1].range[1] < 1.5);
+    assert_eq!(tight(Kind::Range, 1.6, 1.5).dofs[0], limits.dofs[0]);
 }
 
 #[test]
@@ -290,7 +290,7 @@ proptest! {
     ) {
         // Not within h of a row, where the jerk has a step that differences would mix.
         let at = 0.1 * (f64::from(row) + part);
-        let base = Link { joint_name: "base".to_owned(), ..Link::on(None, Freedom::Free, DVec3::ZERO) };
+        let base = Link { joint_name: "base".to_owned(), ..Link::on(None, JointModel::Free, DVec3::ZERO) };
         let mechanism = Mechanism { bodies: vec![base], linked: vec![] };
         let mut turned = DQuat::IDENTITY;
         let rows = turns

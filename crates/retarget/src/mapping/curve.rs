@@ -3,17 +3,17 @@
 use glam::DVec3;
 use sinew_mocap::{Clip, JointSample, Skeleton};
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::Freedom;
+use sinew_rig::mechanism::JointModel;
 
 use super::resolve::{clip_joint, joint};
 use super::{Mapping, MappingError, all};
 
 /// A mapping's curves on one rig and one clip.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Curves(Vec<OnRig>);
+pub struct Curves(Vec<RigCurve>);
 
 #[derive(Debug, Clone, PartialEq)]
-struct OnRig {
+struct RigCurve {
     /// The clip's joint.
     joint: usize,
     axis: DVec3,
@@ -46,8 +46,8 @@ impl Mapping {
             let body = joint(mechanism, &format!("curve[{k}].rig"), &curve.rig)?;
             let link = &mechanism.bodies[body];
             let fits = match link.joint {
-                Freedom::Revolute(_) => !curve.slides,
-                Freedom::Prismatic(_) => curve.slides,
+                JointModel::Revolute(_) => !curve.slides,
+                JointModel::Prismatic(_) => curve.slides,
                 _ => false,
             };
             if !fits {
@@ -61,7 +61,7 @@ impl Mapping {
             }
             let own = link.speed;
             let default = if curve.slides { f64::INFINITY } else { self.performance.speed_rad_s };
-            Ok(OnRig {
+            Ok(RigCurve {
                 joint: clip_joint(skeleton, &format!("curve[{k}].clip"), &curve.clip)?,
                 axis: DVec3::from_array(curve.axis).normalize(),
                 points: curve.points.clone(),

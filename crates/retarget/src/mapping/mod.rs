@@ -100,7 +100,7 @@ pub struct Curve {
     pub clip: String,
     /// The axis about which its turn on its parent is measured.
     pub axis: [f64; 3],
-    /// Name of the rig's joint, of one freedom.
+    /// Name of the rig's joint, of one dof.
     pub rig: String,
     /// Angle of the clip in rad and position of the rig in rad or m; the first grow. Straight between, level beyond.
     pub points: Vec<[f64; 2]>,

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::{Freedom, Pose};
+use sinew_rig::mechanism::{JointModel, Pose};
 
 /// A line of the world about which a joint turns.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,10 +57,10 @@ impl<'m> AtZero<'m> {
         let world =
             |axis: DVec3| Axis { direction: pose.rotation * axis, anchor_m: pose.position_m };
         match self.mechanism.bodies[body].joint {
-            Freedom::Revolute(axis) => vec![world(axis)],
-            Freedom::Universal([first, second]) => vec![world(first), world(second)],
-            Freedom::Spherical => DVec3::AXES.map(world).to_vec(),
-            Freedom::Fixed | Freedom::Prismatic(_) | Freedom::Free => Vec::new(),
+            JointModel::Revolute(axis) => vec![world(axis)],
+            JointModel::Universal([first, second]) => vec![world(first), world(second)],
+            JointModel::Spherical => DVec3::AXES.map(world).to_vec(),
+            JointModel::Fixed | JointModel::Prismatic(_) | JointModel::Free => Vec::new(),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use sinew_rig::Mechanism;
 
-use super::words::{self, Part, Words};
+use super::text::{self, Part, Words};
 use crate::Side;
 
 /// Joints of one limb or of the head, from the trunk outwards.
@@ -24,8 +24,7 @@ pub(super) fn words_of(mechanism: &Mechanism) -> Vec<Words> {
             all.push(Words::default());
             continue;
         };
-        let (joint, body, above) =
-            (words::of(&link.joint_name), words::of(&link.name), all[parent]);
+        let (joint, body, above) = (text::of(&link.joint_name), text::of(&link.name), all[parent]);
         let part = match (joint.part.or(body.part), above.part) {
             // What hangs on a finger is one.
             (_, Some(Part::Other)) => Some(Part::Other),

@@ -5,7 +5,7 @@ use sinew_rig::Mechanism;
 
 use super::at_zero::{AtZero, meeting_point};
 use super::groups::{axes, middle_m};
-use super::{Group, Hinge, NoMatch, RigDirections, RigMatch, RigPoint, hinge, points, words};
+use super::{Group, Hinge, NoMatch, RigDirections, RigMatch, RigPoint, hinge, points, text};
 use crate::{Landmark, LandmarkMap, Side};
 
 /// Draws a ball's centre, or a hinge's point, to where it should lie when the axes leave that open.
@@ -82,9 +82,9 @@ fn check(mechanism: &Mechanism, groups: &[Group]) -> Result<(), NoMatch> {
             let link = &mechanism.bodies[*joint];
             let turns = !matches!(
                 link.joint,
-                sinew_rig::mechanism::Freedom::Prismatic(_)
-                    | sinew_rig::mechanism::Freedom::Fixed
-                    | sinew_rig::mechanism::Freedom::Free
+                sinew_rig::mechanism::JointModel::Prismatic(_)
+                    | sinew_rig::mechanism::JointModel::Fixed
+                    | sinew_rig::mechanism::JointModel::Free
             );
             if !turns {
                 return Err(NoMatch::DoesNotTurn { landmark, joint: link.joint_name.clone() });
@@ -201,7 +201,7 @@ impl Places<'_> {
                 let anchor_m = self.rig.axes(*joint).first()?.anchor_m;
                 (anchor_m.distance(elbow_m) > AWAY * upper_m).then_some(anchor_m)
             });
-            let end_m = twist.unwrap_or_else(|| points::end_m(self.rig, last, &words::WRIST));
+            let end_m = twist.unwrap_or_else(|| points::end_m(self.rig, last, &text::WRIST));
             if end_m.distance(elbow_m) > f64::EPSILON {
                 self.set(wrist, last, end_m);
             }
@@ -216,7 +216,7 @@ impl Places<'_> {
         } else if let Some(shank) = self.group(knee).and_then(|group| group.joints.last().copied())
         {
             // A leg that ends in a shank stands on its end.
-            self.set(ankle, shank, points::end_m(self.rig, shank, &words::ANKLE));
+            self.set(ankle, shank, points::end_m(self.rig, shank, &text::ANKLE));
         }
     }
 

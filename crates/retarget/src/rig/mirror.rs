@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::Freedom;
+use sinew_rig::mechanism::JointModel;
 
 use super::RigMatch;
 use super::at_zero::AtZero;
@@ -52,7 +52,7 @@ pub fn mirror_faults(mechanism: &Mechanism, rig: &RigMatch) -> Vec<MirrorFault> 
 pub fn mended(mechanism: &Mechanism, faults: &[MirrorFault]) -> Mechanism {
     let mut mechanism = mechanism.clone();
     for fault in faults.iter().filter(|fault| fault.is_axis_turned) {
-        if let Freedom::Revolute(axis) = &mut mechanism.bodies[fault.joint].joint {
+        if let JointModel::Revolute(axis) = &mut mechanism.bodies[fault.joint].joint {
             *axis = -*axis;
         }
     }

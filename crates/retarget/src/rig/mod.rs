@@ -10,7 +10,7 @@ mod hinge;
 mod mirror;
 mod points;
 mod propose;
-mod words;
+mod text;
 
 use glam::{DQuat, DVec3};
 use sinew_rig::Mechanism;

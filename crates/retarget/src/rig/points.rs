@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::at_zero::AtZero;
-use super::words;
+use super::text;
 
 /// How far the matter of a body, or what is welded to it, goes from its joint, m.
 pub(super) fn reach_m(rig: &AtZero<'_>, body: usize) -> f64 {
@@ -16,7 +16,7 @@ pub(super) fn reach_m(rig: &AtZero<'_>, body: usize) -> f64 {
 /// one, else twice the way to the mass centre.
 pub(super) fn end_m(rig: &AtZero<'_>, body: usize, names: &[&str]) -> DVec3 {
     let link = &rig.mechanism.bodies[body];
-    let named = link.merged.iter().rfind(|part| words::has(&part.name, names));
+    let named = link.merged.iter().rfind(|part| text::has(&part.name, names));
     let farthest = || {
         link.merged.iter().max_by(|a, b| a.position_m.length().total_cmp(&b.position_m.length()))
     };
@@ -50,7 +50,7 @@ pub(super) fn toe_m(rig: &AtZero<'_>, foot: usize, forward: DVec3, up: DVec3) ->
     let [length_m, height_m] = [edge(forward, [side, up]), edge(up, [side, forward])];
     let center_m = pose.point(link.center_of_mass_m);
     let edge_m = center_m + forward * (0.5 * length_m) - up * (0.25 * height_m);
-    let named = link.merged.iter().find(|part| words::has(&part.name, &words::TOE));
+    let named = link.merged.iter().find(|part| text::has(&part.name, &text::TOE));
     named.map_or(edge_m, |part| {
         let toe_m = pose.point(part.position_m);
         toe_m + forward * forward.dot(edge_m - toe_m).max(0.0)

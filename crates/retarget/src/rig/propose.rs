@@ -4,7 +4,7 @@ use sinew_rig::Mechanism;
 
 use super::at_zero::AtZero;
 use super::chains::{Chain, chains, words_of};
-use super::words::{self, Part};
+use super::text::{self, Part};
 use super::{Group, LeftOut, groups};
 use crate::{Landmark, Side};
 
@@ -28,15 +28,15 @@ pub(super) fn propose(mechanism: &Mechanism) -> (Vec<Group>, Vec<LeftOut>) {
 fn landmarks(part: Part, side: Side) -> Vec<(Landmark, &'static [&'static str])> {
     match part {
         Part::Leg => vec![
-            (Landmark::Hip(side), &words::HIP),
-            (Landmark::Knee(side), &words::KNEE),
-            (Landmark::Ankle(side), &words::ANKLE),
-            (Landmark::Toe(side), &words::TOE),
+            (Landmark::Hip(side), &text::HIP),
+            (Landmark::Knee(side), &text::KNEE),
+            (Landmark::Ankle(side), &text::ANKLE),
+            (Landmark::Toe(side), &text::TOE),
         ],
         Part::Arm => vec![
-            (Landmark::Shoulder(side), &words::SHOULDER),
-            (Landmark::Elbow(side), &words::ELBOW),
-            (Landmark::Wrist(side), &words::WRIST),
+            (Landmark::Shoulder(side), &text::SHOULDER),
+            (Landmark::Elbow(side), &text::ELBOW),
+            (Landmark::Wrist(side), &text::WRIST),
         ],
         Part::Head | Part::Trunk | Part::Other => Vec::new(),
     }
@@ -73,7 +73,7 @@ fn of_chain(rig: &AtZero<'_>, chain: &Chain) -> Vec<Group> {
             if !chain.is_named {
                 doubts.push("no name tells a limb: the only chain is taken for an arm".to_owned());
             }
-            let says = |joint: &usize| words::has(&rig.mechanism.bodies[*joint].joint_name, words);
+            let says = |joint: &usize| text::has(&rig.mechanism.bodies[*joint].joint_name, words);
             if !joints.iter().any(says) {
                 doubts.push(format!("no name says {}", words[0]));
             }

@@ -12,10 +12,10 @@ mod figure;
 mod limb;
 mod name;
 mod pair;
+mod text;
 mod trunk;
 mod unit;
 mod vocabulary;
-mod words;
 
 use std::collections::BTreeMap;
 

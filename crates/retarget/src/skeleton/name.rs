@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use super::text::words;
 use super::vocabulary::Word;
-use super::words::words;
 use crate::Side;
 
 /// A part of a body, as names tell it: more than landmarks.

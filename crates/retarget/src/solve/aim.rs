@@ -69,7 +69,7 @@ impl Aims {
         rig: &RigMatch,
         settings: &Settings,
     ) -> (Self, Vec<Term>) {
-        let is_free = !model.base_freedoms().is_empty();
+        let is_free = !model.base_dofs().is_empty();
         let mut list = List { model, all: Vec::new(), sources: Vec::new() };
         let directions = DMat3::from_quat(rig.directions.rotation());
         let upright_of = |body: usize| upright(rig.rotations_at_zero[body], directions);

@@ -70,12 +70,12 @@ impl Solver {
 
     /// Moves every joint of one coordinate somewhere near home, within its range.
     fn scatter(&mut self, random: &mut Random) {
-        for freedom in &self.unknown {
-            let Some(coordinate) = self.model.coordinates[*freedom] else { continue };
-            if self.model.slides[*freedom] {
+        for dof in &self.unknown {
+            let Some(coordinate) = self.model.coordinates[*dof] else { continue };
+            if self.model.slides[*dof] {
                 continue;
             }
-            let [least, most] = self.model.ranges[*freedom];
+            let [least, most] = self.model.ranges[*dof];
             let away = SPREAD_RAD * (2.0 * random.next() - 1.0);
             self.state.q[coordinate] = (self.model.home[coordinate] + away).clamp(least, most);
         }

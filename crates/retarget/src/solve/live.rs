@@ -166,7 +166,7 @@ impl Foot {
 impl Solver {
     /// Moves a free base by a way of the world.
     fn move_base(&mut self, by_m: DVec3) {
-        let base = self.model.base_freedoms();
+        let base = self.model.base_dofs();
         self.step.fill(0.0);
         if base.len() == 6 {
             by_m.write_to_slice(&mut self.step[base.start + 3..base.end]);

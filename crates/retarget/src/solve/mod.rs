@@ -48,8 +48,8 @@ const NEAR: f64 = 1e-9;
 /// A joint that a frame's pose holds at a bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Held {
-    /// Index of the freedom, as [`Mechanism::freedom_names`] lists them.
-    pub freedom: usize,
+    /// Index of the dof, as [`Mechanism::dof_names`] lists them.
+    pub dof: usize,
     /// Which bound.
     pub bound: Bound,
 }
@@ -71,7 +71,7 @@ pub(crate) struct Solver {
     aims: Aims,
     terms: Vec<Term>,
     targets: Vec<Target>,
-    /// Freedoms that some term asks for.
+    /// Dofs that some term asks for.
     unknown: Vec<usize>,
     normal: Normal,
     step: Vec<f64>,
@@ -87,17 +87,17 @@ impl Solver {
         let model = Model::of(mechanism, settings.speed_rad_s);
         let state = model.state();
         let (aims, terms) = Aims::new(&model, &state, rig, settings);
-        let mut unknown: Vec<usize> = terms.iter().flat_map(Term::freedoms).collect();
+        let mut unknown: Vec<usize> = terms.iter().flat_map(Term::dofs).collect();
         unknown.sort_unstable();
         unknown.dedup();
-        let freedoms = model.freedom_count();
+        let dofs = model.dof_count();
         let reach_m = aims.reach_m.max(1e-3);
         Self {
-            normal: Normal::new(freedoms, &unknown),
+            normal: Normal::new(dofs, &unknown),
             targets: vec![Target::NONE; terms.len()],
-            step: vec![0.0; freedoms],
-            away: vec![0.0; freedoms],
-            home_away: vec![0.0; freedoms],
+            step: vec![0.0; dofs],
+            away: vec![0.0; dofs],
+            home_away: vec![0.0; dofs],
             previous: state.q.clone(),
             per_m2: (reach_m * reach_m).recip(),
             model,
@@ -127,27 +127,27 @@ impl Solver {
         }
         self.model.away(&self.state, &self.previous, &mut self.away);
         self.model.away(&self.state, &self.model.home, &mut self.home_away);
-        let base = self.model.base_freedoms();
+        let base = self.model.base_dofs();
         let still = STILL * frame_s.map_or(1.0, |frame_s| STILL_FRAME_S / frame_s);
-        for (place, &freedom) in self.unknown.iter().enumerate() {
-            let scale = if self.model.slides[freedom] { self.per_m2 } else { 1.0 };
-            let away = self.away[freedom];
-            if base.contains(&freedom) {
+        for (place, &dof) in self.unknown.iter().enumerate() {
+            let scale = if self.model.slides[dof] { self.per_m2 } else { 1.0 };
+            let away = self.away[dof];
+            if base.contains(&dof) {
                 self.normal.add_single(place, away, BASE * scale);
                 continue;
             }
             // Without a last pose the pull only keeps the step small.
             let away_still = if frame_s.is_some() { away } else { 0.0 };
             self.normal.add_single(place, away_still, still * scale);
-            self.normal.add_single(place, self.home_away[freedom], HOME * scale);
-            let [least, most] = self.bounds(freedom, away, frame_s);
+            self.normal.add_single(place, self.home_away[dof], HOME * scale);
+            let [least, most] = self.bounds(dof, away, frame_s);
             (self.normal.least[place], self.normal.most[place]) = (least, most);
         }
         let x = self.normal.solve();
         self.step.fill(0.0);
         let mut largest: f64 = 0.0;
-        for (x, freedom) in x.iter().zip(&self.unknown) {
-            self.step[*freedom] = *x;
+        for (x, dof) in x.iter().zip(&self.unknown) {
+            self.step[*dof] = *x;
             largest = largest.max(x.abs());
         }
         self.model.advance(&mut self.state, &self.step);
@@ -155,12 +155,12 @@ impl Solver {
     }
 
     /// How far a step may go.
-    fn bounds(&self, freedom: usize, away: f64, frame_s: Option<f64>) -> [f64; 2] {
-        let furthest = if self.model.slides[freedom] { f64::INFINITY } else { STEP };
-        let q = self.model.coordinates[freedom].map(|coordinate| self.state.q[coordinate]);
-        let [low, high] = self.model.ranges[freedom];
+    fn bounds(&self, dof: usize, away: f64, frame_s: Option<f64>) -> [f64; 2] {
+        let furthest = if self.model.slides[dof] { f64::INFINITY } else { STEP };
+        let q = self.model.coordinates[dof].map(|coordinate| self.state.q[coordinate]);
+        let [low, high] = self.model.ranges[dof];
         let (to_low, to_high) = q.map_or((-furthest, furthest), |q| (low - q, high - q));
-        let most_s = frame_s.map_or(f64::INFINITY, |frame_s| self.model.speeds[freedom] * frame_s);
+        let most_s = frame_s.map_or(f64::INFINITY, |frame_s| self.model.speeds[dof] * frame_s);
         // The range comes first where both cannot be kept.
         let inside = |x: f64| x.clamp(to_low, to_high);
         let least = inside((-most_s - away).max(-furthest));
@@ -173,9 +173,9 @@ impl Solver {
         let errors = self.terms.iter().zip(&self.targets);
         let errors = errors.map(|(term, target)| term.cost(&self.state, target)).sum();
         self.model.away(&self.state, &self.model.home, &mut self.home_away);
-        let base = self.model.base_freedoms();
-        let home = self.unknown.iter().filter(|freedom| !base.contains(freedom));
-        [errors, home.map(|freedom| self.home_away[*freedom] * self.home_away[*freedom]).sum()]
+        let base = self.model.base_dofs();
+        let home = self.unknown.iter().filter(|dof| !base.contains(dof));
+        [errors, home.map(|dof| self.home_away[*dof] * self.home_away[*dof]).sum()]
     }
 
     /// The limbs that are asked for.
@@ -197,17 +197,17 @@ impl Solver {
 
     /// Joints that the last sweep held at a bound.
     pub(crate) fn held(&self) -> impl Iterator<Item = Held> + '_ {
-        let at = |(place, freedom): (usize, &usize)| {
+        let at = |(place, dof): (usize, &usize)| {
             if self.normal.held(place) == 0 {
                 return None;
             }
-            let q = self.state.q[self.model.coordinates[*freedom]?];
-            let [low, high] = self.model.ranges[*freedom];
+            let q = self.state.q[self.model.coordinates[*dof]?];
+            let [low, high] = self.model.ranges[*dof];
             let bound =
                 if q <= low + NEAR || q >= high - NEAR { Bound::Range } else { Bound::Speed };
-            Some(Held { freedom: *freedom, bound })
+            Some(Held { dof: *dof, bound })
         };
-        self.unknown.iter().enumerate().filter_map(move |(place, freedom)| at((place, freedom)))
+        self.unknown.iter().enumerate().filter_map(move |(place, dof)| at((place, dof)))
     }
 
     /// Joint coordinates.

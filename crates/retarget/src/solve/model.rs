@@ -1,10 +1,10 @@
-//! A rig's kinematics as the solver needs them: axes and anchors of every freedom in the world.
+//! A rig's kinematics as the solver needs them: axes and anchors of every dof in the world.
 
 use std::ops::Range;
 
 use glam::{DQuat, DVec3};
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::Freedom;
+use sinew_rig::mechanism::JointModel;
 
 /// A body and its joint.
 #[derive(Debug, Clone)]
@@ -12,10 +12,10 @@ struct Link {
     parent: Option<usize>,
     position_m: DVec3,
     rotation: DQuat,
-    joint: Freedom,
+    joint: JointModel,
     /// Its coordinates in `q`.
     q: Range<usize>,
-    /// Its freedoms.
+    /// Its dofs.
     v: Range<usize>,
 }
 
@@ -24,12 +24,12 @@ struct Link {
 pub(super) struct Model {
     links: Vec<Link>,
     pub(super) home: Vec<f64>,
-    /// By freedom: least and most, and the largest speed; infinite where there is no limit.
+    /// By dof: least and most, and the largest speed; infinite where there is no limit.
     pub(super) ranges: Vec<[f64; 2]>,
     pub(super) speeds: Vec<f64>,
-    /// By freedom: its coordinate, if it has one of its own.
+    /// By dof: its coordinate, if it has one of its own.
     pub(super) coordinates: Vec<Option<usize>>,
-    /// By freedom: whether it slides.
+    /// By dof: whether it slides.
     pub(super) slides: Vec<bool>,
     /// By ball joint that has a range: its link and the largest angle, rad.
     cones: Vec<(usize, f64)>,
@@ -44,7 +44,7 @@ pub(super) struct State {
     /// By body, in the world.
     pub(super) rotations: Vec<DQuat>,
     pub(super) positions_m: Vec<DVec3>,
-    /// By freedom, in the world.
+    /// By dof, in the world.
     pub(super) axes: Vec<DVec3>,
     pub(super) anchors_m: Vec<DVec3>,
 }
@@ -65,22 +65,22 @@ impl Model {
         let q_ranges = mechanism.coordinate_ranges();
         for (index, (link, q)) in mechanism.bodies.iter().zip(&q_ranges).enumerate() {
             let first = model.ranges.len();
-            let count = link.joint.kind().degrees_of_freedom();
-            let is_free = matches!(link.joint, Freedom::Free);
+            let count = link.joint.kind().dof_count();
+            let is_free = matches!(link.joint, JointModel::Free);
             for axis in 0..count {
                 let single = matches!(
                     link.joint,
-                    Freedom::Revolute(_) | Freedom::Prismatic(_) | Freedom::Universal(_)
+                    JointModel::Revolute(_) | JointModel::Prismatic(_) | JointModel::Universal(_)
                 );
                 let range = link.ranges.get(axis).copied().filter(|_| single);
                 model.ranges.push(range.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]));
-                let slides = matches!(link.joint, Freedom::Prismatic(_)) || is_free && axis >= 3;
+                let slides = matches!(link.joint, JointModel::Prismatic(_)) || is_free && axis >= 3;
                 let own = if link.speed.is_finite() || slides { link.speed } else { speed };
                 model.speeds.push(if is_free { f64::INFINITY } else { own });
                 model.coordinates.push(single.then_some(q.start + axis));
                 model.slides.push(slides);
             }
-            if let (Freedom::Spherical, Some([_, most])) = (link.joint, link.ranges.first()) {
+            if let (JointModel::Spherical, Some([_, most])) = (link.joint, link.ranges.first()) {
                 model.cones.push((index, *most));
             }
             model.links.push(Link {
@@ -107,7 +107,7 @@ impl Model {
         model
     }
 
-    pub(super) fn freedom_count(&self) -> usize {
+    pub(super) fn dof_count(&self) -> usize {
         self.ranges.len()
     }
 
@@ -116,28 +116,28 @@ impl Model {
             q: self.home.clone(),
             rotations: vec![DQuat::IDENTITY; self.links.len()],
             positions_m: vec![DVec3::ZERO; self.links.len()],
-            axes: vec![DVec3::ZERO; self.freedom_count()],
-            anchors_m: vec![DVec3::ZERO; self.freedom_count()],
+            axes: vec![DVec3::ZERO; self.dof_count()],
+            anchors_m: vec![DVec3::ZERO; self.dof_count()],
         };
         self.place(&mut state);
         state
     }
 
-    /// Freedoms that move a body, from the base outwards.
+    /// Dofs that move a body, from the base outwards.
     pub(super) fn supports(&self, body: usize) -> Vec<usize> {
         let way = std::iter::successors(Some(body), |body| self.links[*body].parent);
-        let mut freedoms: Vec<usize> = way.flat_map(|body| self.links[body].v.clone()).collect();
-        freedoms.sort_unstable();
-        freedoms
+        let mut dofs: Vec<usize> = way.flat_map(|body| self.links[body].v.clone()).collect();
+        dofs.sort_unstable();
+        dofs
     }
 
     /// Whether a coordinate follows another one.
-    pub(super) fn is_tied(&self, freedom: usize) -> bool {
-        self.coordinates[freedom].is_some_and(|q| self.ties.iter().any(|(own, ..)| *own == q))
+    pub(super) fn is_tied(&self, dof: usize) -> bool {
+        self.coordinates[dof].is_some_and(|q| self.ties.iter().any(|(own, ..)| *own == q))
     }
 
-    /// Freedoms of the base.
-    pub(super) fn base_freedoms(&self) -> Range<usize> {
+    /// Dofs of the base.
+    pub(super) fn base_dofs(&self) -> Range<usize> {
         self.links[0].v.clone()
     }
 
@@ -162,14 +162,16 @@ impl Model {
             rotations[body] = (rotation * moved.rotation).normalize();
             let axes = &mut axes[link.v.clone()];
             match link.joint {
-                Freedom::Fixed => {}
-                Freedom::Revolute(axis) | Freedom::Prismatic(axis) => axes[0] = rotation * axis,
-                Freedom::Universal([first, second]) => {
+                JointModel::Fixed => {}
+                JointModel::Revolute(axis) | JointModel::Prismatic(axis) => {
+                    axes[0] = rotation * axis
+                }
+                JointModel::Universal([first, second]) => {
                     axes[0] = rotation * first;
                     axes[1] = rotations[body] * second;
                 }
-                Freedom::Spherical => axes.copy_from_slice(&DVec3::AXES),
-                Freedom::Free => {
+                JointModel::Spherical => axes.copy_from_slice(&DVec3::AXES),
+                JointModel::Free => {
                     axes[..3].copy_from_slice(&DVec3::AXES);
                     axes[3..].copy_from_slice(&DVec3::AXES);
                 }
@@ -178,18 +180,18 @@ impl Model {
         }
     }
 
-    /// Moves along the freedoms by `step`, and places the bodies there.
+    /// Moves along the dofs by `step`, and places the bodies there.
     pub(super) fn advance(&self, state: &mut State, step: &[f64]) {
         for link in &self.links {
             let (q, step) = (&mut state.q[link.q.clone()], &step[link.v.clone()]);
             match link.joint {
-                Freedom::Fixed => {}
-                Freedom::Revolute(_) | Freedom::Prismatic(_) | Freedom::Universal(_) => {
+                JointModel::Fixed => {}
+                JointModel::Revolute(_) | JointModel::Prismatic(_) | JointModel::Universal(_) => {
                     for (q, step) in q.iter_mut().zip(step) {
                         *q += step;
                     }
                 }
-                Freedom::Spherical | Freedom::Free => {
+                JointModel::Spherical | JointModel::Free => {
                     // Steps are about world axes; `q` turns in the axes of the joint.
                     let frame = link
                         .parent
@@ -198,7 +200,7 @@ impl Model {
                     let turn = DQuat::from_scaled_axis(back * DVec3::from_slice(step));
                     let rotation = turn * DQuat::from_slice(q);
                     rotation.normalize().write_to_slice(q);
-                    if let (Freedom::Free, Some(slide)) = (link.joint, step.get(3..6)) {
+                    if let (JointModel::Free, Some(slide)) = (link.joint, step.get(3..6)) {
                         let moved = DVec3::from_slice(&q[4..]) + back * DVec3::from_slice(slide);
                         moved.write_to_slice(&mut q[4..]);
                     }
@@ -215,26 +217,26 @@ impl Model {
         self.place(state);
     }
 
-    /// How far the freedoms are from `from`, into `away`. `state` is placed.
+    /// How far the dofs are from `from`, into `away`. `state` is placed.
     pub(super) fn away(&self, state: &State, from: &[f64], away: &mut [f64]) {
         for link in &self.links {
             let (q, from) = (&state.q[link.q.clone()], &from[link.q.clone()]);
             let away = &mut away[link.v.clone()];
             match link.joint {
-                Freedom::Fixed => {}
-                Freedom::Revolute(_) | Freedom::Prismatic(_) | Freedom::Universal(_) => {
+                JointModel::Fixed => {}
+                JointModel::Revolute(_) | JointModel::Prismatic(_) | JointModel::Universal(_) => {
                     for (away, (q, from)) in away.iter_mut().zip(q.iter().zip(from)) {
                         *away = q - from;
                     }
                 }
-                Freedom::Spherical | Freedom::Free => {
+                JointModel::Spherical | JointModel::Free => {
                     let frame = link
                         .parent
                         .map_or(link.rotation, |parent| state.rotations[parent] * link.rotation);
                     let turn = DQuat::from_slice(q) * DQuat::from_slice(from).conjugate();
                     let turn = if turn.w < 0.0 { -turn } else { turn };
                     (frame * turn.normalize().to_scaled_axis()).write_to_slice(away);
-                    if let (Freedom::Free, Some(slid)) = (link.joint, away.get_mut(3..6)) {
+                    if let (JointModel::Free, Some(slid)) = (link.joint, away.get_mut(3..6)) {
                         let moved = DVec3::from_slice(&q[4..]) - DVec3::from_slice(&from[4..]);
                         (frame * moved).write_to_slice(slid);
                     }
@@ -247,7 +249,7 @@ impl Model {
     /// start needs. Nothing of a base that is fixed.
     pub(super) fn turn_base(&self, state: &mut State, body: usize, wanted: DQuat) {
         let base = &self.links[0];
-        if !matches!(base.joint, Freedom::Free) {
+        if !matches!(base.joint, JointModel::Free) {
             return;
         }
         let turn = wanted * state.rotations[body].conjugate();

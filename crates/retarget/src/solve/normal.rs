@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 
-/// `H x = -g` over the unknown freedoms, and bounds on `x`. All memory is taken by the constructor.
+/// `H x = -g` over the unknown dofs, and bounds on `x`. All memory is taken by the constructor.
 #[derive(Debug, Clone)]
 pub(super) struct Normal {
     count: usize,
-    /// By freedom: its place among the unknowns.
+    /// By dof: its place among the unknowns.
     places: Vec<Option<usize>>,
     /// Lower triangle by rows of `count`.
     h: Vec<f64>,
@@ -29,11 +29,11 @@ pub(super) struct Normal {
 const CHANGES: usize = 12;
 
 impl Normal {
-    pub(super) fn new(freedoms: usize, unknown: &[usize]) -> Self {
+    pub(super) fn new(dofs: usize, unknown: &[usize]) -> Self {
         let count = unknown.len();
-        let mut places = vec![None; freedoms];
-        for (place, freedom) in unknown.iter().enumerate() {
-            places[*freedom] = Some(place);
+        let mut places = vec![None; dofs];
+        for (place, dof) in unknown.iter().enumerate() {
+            places[*dof] = Some(place);
         }
         Self {
             count,
@@ -57,9 +57,9 @@ impl Normal {
         self.g.fill(0.0);
     }
 
-    /// How a freedom moves what is added next.
-    pub(super) fn column(&mut self, freedom: usize, moved: DVec3) {
-        if let Some(place) = self.places[freedom] {
+    /// How a dof moves what is added next.
+    pub(super) fn column(&mut self, dof: usize, moved: DVec3) {
+        if let Some(place) = self.places[dof] {
             self.columns.push((place, moved));
         }
     }

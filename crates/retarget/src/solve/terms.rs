@@ -35,17 +35,17 @@ impl Target {
         Self { vector: DVec3::ZERO, rotation: DQuat::IDENTITY, weight: 0.0 };
 }
 
-/// How a freedom moves what a term looks at.
+/// How a dof moves what a term looks at.
 #[derive(Debug, Clone, Copy)]
 struct Mover {
-    freedom: usize,
+    dof: usize,
     /// Whether it moves the point from which a direction goes, and the one to which.
     from: bool,
     to: bool,
     slides: bool,
 }
 
-/// A kind with the freedoms that move it.
+/// A kind with the dofs that move it.
 #[derive(Debug, Clone)]
 pub(super) struct Term {
     pub(super) kind: Kind,
@@ -60,30 +60,30 @@ impl Term {
             Kind::Position { point, .. } => (None, point.body),
         };
         let (from, to) = (from.map_or(Vec::new(), |body| model.supports(body)), model.supports(to));
-        let mut freedoms: Vec<usize> = from.iter().chain(&to).copied().collect();
-        freedoms.sort_unstable();
-        freedoms.dedup();
+        let mut dofs: Vec<usize> = from.iter().chain(&to).copied().collect();
+        dofs.sort_unstable();
+        dofs.dedup();
         // What a slide leaves as it is.
         let is_kept = |mover: &Mover| match kind {
             Kind::Direction { .. } => mover.from && mover.to,
             Kind::Orientation { .. } | Kind::Twist { .. } => true,
             Kind::Position { .. } => false,
         };
-        let movers = freedoms
+        let movers = dofs
             .into_iter()
-            .map(|freedom| Mover {
-                freedom,
-                from: from.contains(&freedom),
-                to: to.contains(&freedom),
-                slides: model.slides[freedom],
+            .map(|dof| Mover {
+                dof,
+                from: from.contains(&dof),
+                to: to.contains(&dof),
+                slides: model.slides[dof],
             })
-            .filter(|mover| !(model.is_tied(mover.freedom) || mover.slides && is_kept(mover)))
+            .filter(|mover| !(model.is_tied(mover.dof) || mover.slides && is_kept(mover)))
             .collect();
         Self { kind, movers }
     }
 
-    pub(super) fn freedoms(&self) -> impl Iterator<Item = usize> + '_ {
-        self.movers.iter().map(|mover| mover.freedom)
+    pub(super) fn dofs(&self) -> impl Iterator<Item = usize> + '_ {
+        self.movers.iter().map(|mover| mover.dof)
     }
 
     /// Squared error times its weight.
@@ -127,8 +127,7 @@ impl Term {
                 let u = way / length;
                 let error = u - target.vector;
                 for mover in &self.movers {
-                    let (axis, anchor) =
-                        (state.axes[mover.freedom], state.anchors_m[mover.freedom]);
+                    let (axis, anchor) = (state.axes[mover.dof], state.anchors_m[mover.dof]);
                     let moved = if mover.slides {
                         if mover.to { axis } else { -axis }
                     } else {
@@ -139,14 +138,14 @@ impl Term {
                             (true, false) => -axis.cross(from_m - anchor),
                         }
                     };
-                    normal.column(mover.freedom, (moved - u * u.dot(moved)) / length);
+                    normal.column(mover.dof, (moved - u * u.dot(moved)) / length);
                 }
                 normal.add(error, DVec3::splat(target.weight));
             }
             Kind::Orientation { body, upright } => {
                 let error = turn_between(target.rotation, state.rotations[*body] * *upright);
                 for mover in &self.movers {
-                    normal.column(mover.freedom, state.axes[mover.freedom]);
+                    normal.column(mover.dof, state.axes[mover.dof]);
                 }
                 normal.add(error, DVec3::splat(target.weight));
             }
@@ -155,20 +154,20 @@ impl Term {
                     return;
                 };
                 for mover in &self.movers {
-                    normal.column(mover.freedom, DVec3::X * u.dot(state.axes[mover.freedom]));
+                    normal.column(mover.dof, DVec3::X * u.dot(state.axes[mover.dof]));
                 }
                 normal.add(DVec3::X * angle, DVec3::X * target.weight);
             }
             Kind::Position { point, parts } => {
                 let point_m = state.point_m(point);
                 for mover in &self.movers {
-                    let axis = state.axes[mover.freedom];
+                    let axis = state.axes[mover.dof];
                     let moved = if mover.slides {
                         axis
                     } else {
-                        axis.cross(point_m - state.anchors_m[mover.freedom])
+                        axis.cross(point_m - state.anchors_m[mover.dof])
                     };
-                    normal.column(mover.freedom, moved);
+                    normal.column(mover.dof, moved);
                 }
                 normal.add(point_m - target.vector, by_axis(*parts) * target.weight);
             }

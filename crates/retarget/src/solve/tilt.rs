@@ -35,7 +35,7 @@ pub fn best_tilt(
     let error = |tilt_rad: f64| {
         let settings = Settings { tilt_rad, ..*settings };
         let mut solver = Solver::new(mechanism, rig, &settings);
-        if !solver.model.base_freedoms().is_empty() {
+        if !solver.model.base_dofs().is_empty() {
             return 0.0;
         }
         let mut world = Vec::new();

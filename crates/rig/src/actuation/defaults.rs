@@ -6,25 +6,25 @@ use crate::drive::{DriveInputError, DrivePose};
 use crate::number::single;
 use crate::servo::Servo;
 
-/// What a joint gets from the servos of its drive, at the home pose. Of a joint of several freedoms, which has one
+/// What a joint gets from the servos of its drive, at the home pose. Of a joint of several dofs, which has one
 /// number for all: the mean of inertia and frictions, the least of the limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointDefaults {
-    /// What rotors add to the inertia of each freedom: kg m², or kg of a slide.
+    /// What rotors add to the inertia of each dof: kg m², or kg of a slide.
     pub rotor_inertia: f64,
     /// Coulomb friction: N m, or N of a slide.
     pub friction: f64,
     /// Viscous friction: N m s, or N s/m of a slide.
     pub damping: f64,
-    /// The largest effort of one freedom alone, N m or N.
+    /// The largest effort of one dof alone, N m or N.
     pub effort: f64,
-    /// The largest speed of one freedom alone, rad/s or m/s.
+    /// The largest speed of one dof alone, rad/s or m/s.
     pub speed: f64,
 }
 
-/// The same of one freedom, and what servos have at their shafts.
+/// The same of one dof, and what servos have at their shafts.
 #[derive(Debug, Clone, Copy)]
-struct OfFreedom {
+struct DofDefaults {
     inertia: f32,
     friction: f32,
     damping: f32,
@@ -37,11 +37,11 @@ impl Actuation {
     pub fn joint_defaults(&self, rig: &Description) -> Vec<Option<JointDefaults>> {
         let mut defaults = vec![None; rig.joints.len()];
         for drive in &self.drives {
-            // A home pose is of numbers, one for each freedom: `Description::check`.
-            let Ok(of_freedoms) = self.of_freedoms(rig, drive) else { continue };
-            let mut rest = &of_freedoms[..];
+            // A home pose is of numbers, one for each dof: `Description::check`.
+            let Ok(of_dofs) = self.of_dofs(rig, drive) else { continue };
+            let mut rest = &of_dofs[..];
             for joint in &drive.joints {
-                let count = rig.joints[*joint].kind.degrees_of_freedom().min(rest.len());
+                let count = rig.joints[*joint].kind.dof_count().min(rest.len());
                 let (own, behind) = rest.split_at(count);
                 rest = behind;
                 defaults[*joint] = (!own.is_empty()).then(|| joined(own));
@@ -50,11 +50,11 @@ impl Actuation {
         defaults
     }
 
-    fn of_freedoms(
+    fn of_dofs(
         &self,
         rig: &Description,
         drive: &DriveOf,
-    ) -> Result<Vec<OfFreedom>, DriveInputError> {
+    ) -> Result<Vec<DofDefaults>, DriveInputError> {
         let home: Vec<f32> = drive.joints.iter().flat_map(|joint| home(rig, *joint)).collect();
         let pose = drive.drive.at_joints(&home)?;
         let servos: Vec<&Servo> = drive.servos.iter().map(|servo| &self.servos[*servo]).collect();
@@ -73,36 +73,34 @@ impl Actuation {
             servos.iter().map(|servo| servo.settings().speed_rad_s / gear(servo)).collect();
         let speeds = speeds(&pose, &speed)?;
         (0..home.len())
-            .map(|freedom| {
-                let alone = unit(home.len(), freedom);
+            .map(|dof| {
+                let alone = unit(home.len(), dof);
                 let lost = pose.servo_velocities(&alone)?;
-                Ok(OfFreedom {
-                    inertia: inertia[freedom],
+                Ok(DofDefaults {
+                    inertia: inertia[dof],
                     friction: friction
                         .iter()
                         .zip(&lost)
                         .map(|(friction, speed)| friction * speed.abs())
                         .sum(),
-                    damping: damping[freedom],
+                    damping: damping[dof],
                     effort: least_share(&torque, &pose.servo_torques(&alone)?),
-                    speed: speeds[freedom],
+                    speed: speeds[dof],
                 })
             })
             .collect()
     }
 }
 
-/// How fast each freedom goes alone; mimic joints, which cannot, with their servos.
+/// How fast each dof goes alone; mimic joints, which cannot, with their servos.
 fn speeds(pose: &DrivePose<'_>, of_servos: &[f32]) -> Result<Vec<f32>, DriveInputError> {
-    let (freedoms, servos) = (pose.joints().len(), of_servos.len());
-    if freedoms <= servos {
-        return (0..freedoms)
-            .map(|freedom| {
-                Ok(least_share(of_servos, &pose.servo_velocities(&unit(freedoms, freedom))?))
-            })
+    let (dofs, servos) = (pose.joints().len(), of_servos.len());
+    if dofs <= servos {
+        return (0..dofs)
+            .map(|dof| Ok(least_share(of_servos, &pose.servo_velocities(&unit(dofs, dof))?)))
             .collect();
     }
-    let mut speeds = vec![0.0; freedoms];
+    let mut speeds = vec![0.0; dofs];
     for (servo, speed) in of_servos.iter().enumerate() {
         let moved = pose.joint_velocities(&unit(servos, servo))?;
         for (sum, share) in speeds.iter_mut().zip(&moved) {
@@ -131,18 +129,18 @@ fn home(rig: &Description, joint: usize) -> Vec<f32> {
     }
 }
 
-fn joined(freedoms: &[OfFreedom]) -> JointDefaults {
-    let mean = |of: fn(&OfFreedom) -> f32| {
-        freedoms.iter().map(|freedom| f64::from(of(freedom))).sum::<f64>() / freedoms.len() as f64
+fn joined(dofs: &[DofDefaults]) -> JointDefaults {
+    let mean = |of: fn(&DofDefaults) -> f32| {
+        dofs.iter().map(|dof| f64::from(of(dof))).sum::<f64>() / dofs.len() as f64
     };
-    let least = |of: fn(&OfFreedom) -> f32| {
-        freedoms.iter().map(|freedom| f64::from(of(freedom))).fold(f64::INFINITY, f64::min)
+    let least = |of: fn(&DofDefaults) -> f32| {
+        dofs.iter().map(|dof| f64::from(of(dof))).fold(f64::INFINITY, f64::min)
     };
     JointDefaults {
-        rotor_inertia: mean(|freedom| freedom.inertia),
-        friction: mean(|freedom| freedom.friction),
-        damping: mean(|freedom| freedom.damping),
-        effort: least(|freedom| freedom.effort),
-        speed: least(|freedom| freedom.speed),
+        rotor_inertia: mean(|dof| dof.inertia),
+        friction: mean(|dof| dof.friction),
+        damping: mean(|dof| dof.damping),
+        effort: least(|dof| dof.effort),
+        speed: least(|dof| dof.speed),
     }
 }

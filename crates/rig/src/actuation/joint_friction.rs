@@ -16,7 +16,7 @@ pub struct JointFriction {
 
 impl Actuation {
     /// By servo: the friction that the description gives its joint beside that of the servos, at the home pose; servos
-    /// that share a joint share it. Of drives that move several freedoms it is none: which of their servos has to
+    /// that share a joint share it. Of drives that move several dofs it is none: which of their servos has to
     /// overcome it is a matter of how all of them move. O(servos).
     pub fn joint_friction(&self, rig: &Description) -> Vec<JointFriction> {
         let mut all = vec![JointFriction::default(); self.servos.len()];
@@ -29,7 +29,7 @@ impl Actuation {
         all
     }
 
-    /// Gives the friction of a joint of one freedom to its servos, by virtual work.
+    /// Gives the friction of a joint of one dof to its servos, by virtual work.
     fn share(
         &self,
         rig: &Description,

@@ -93,7 +93,7 @@ fn one_servo_that_moves_two_joints_is_counted_once() {
 }
 
 #[test]
-fn a_ball_joint_has_the_mean_of_its_freedoms() {
+fn a_ball_joint_has_the_mean_of_its_dofs() {
     let rows: [&[f64]; 3] = [&[1.0, 0.0, 0.0], &[0.0, 0.5, 0.0], &[0.0, 0.0, 0.5]];
     let [ball] = defaults(&rig(joints(&[JointType::Spherical]), matrix(&rows), 3))[..] else {
         panic!("one joint")

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use heapless::Vec;
 
-use super::{BoardDrive, BoardRig, BoardRigError, BoardServo, Freedom, LinkedLimit};
+use super::{BoardDof, BoardDrive, BoardRig, BoardRigError, BoardServo, LinkedLimit};
 use crate::actuation::{Actuation, JointFriction};
 use crate::description::{self, Description, DescriptionError};
 use crate::drive::MOST;
@@ -24,23 +24,23 @@ pub enum BakeError {
     Board(#[from] BoardRigError),
 }
 
-impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
+impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> BoardRig<BODIES, DOFS, SERVOS> {
     /// The rig of a description, whose [`Mechanism`] the caller has made.
     ///
     /// # Errors
     /// [`BakeError`] if the description's servos or drives cannot be, or the board does not hold the rig.
     pub fn bake(rig: &Description, mechanism: &Mechanism) -> Result<Self, BakeError> {
         let (what, found) = ("bodies", mechanism.bodies.len());
-        if found > B {
-            return Err(BoardRigError::Capacity { what, found, holds: B }.into());
+        if found > BODIES {
+            return Err(BoardRigError::Capacity { what, found, holds: BODIES }.into());
         }
         let actuation = rig.actuation()?;
         let places = places(mechanism);
-        let freedoms = mechanism.bodies.iter().flat_map(freedoms).collect();
+        let dofs = mechanism.bodies.iter().flat_map(dofs).collect();
         let limits = rig.limits.iter().filter_map(|limit| limit_of(&places, limit)).collect();
         let baked = Self {
             tree: mechanism.tree().map_err(BoardRigError::Tree)?,
-            freedoms: filled("degrees of freedom", freedoms)?,
+            dofs: filled("degrees of freedom", dofs)?,
             limits: filled("linked limits", limits)?,
             servos: filled("servos", servos(rig, &actuation))?,
             drives: filled("drives", drives(rig, &actuation, &places))?,
@@ -63,7 +63,7 @@ fn filled<T, const N: usize>(
     Ok(all)
 }
 
-/// Where the freedoms of each joint are.
+/// Where the dofs of each joint are.
 type Places<'m> = HashMap<&'m str, Range<u16>>;
 
 fn places(mechanism: &Mechanism) -> Places<'_> {
@@ -71,7 +71,7 @@ fn places(mechanism: &Mechanism) -> Places<'_> {
     let mut places = HashMap::new();
     for link in &mechanism.bodies {
         // Beyond 2^16 there is no board; `filled` says so.
-        let count = u16::try_from(link.joint.kind().degrees_of_freedom()).unwrap_or(u16::MAX);
+        let count = u16::try_from(link.joint.kind().dof_count()).unwrap_or(u16::MAX);
         let end = next.saturating_add(count);
         places.insert(link.joint_name.as_str(), next..end);
         next = end;
@@ -79,11 +79,11 @@ fn places(mechanism: &Mechanism) -> Places<'_> {
     places
 }
 
-fn freedoms(link: &Link) -> std::vec::Vec<Freedom> {
-    let is_ball = link.joint == mechanism::Freedom::Spherical;
+fn dofs(link: &Link) -> std::vec::Vec<BoardDof> {
+    let is_ball = link.joint == mechanism::JointModel::Spherical;
     let home: std::vec::Vec<f32> = match (link.joint, &link.home[..]) {
-        (mechanism::Freedom::Spherical, rotation) => rotation_vector(rotation).to_vec(),
-        (mechanism::Freedom::Free, coordinates) => {
+        (mechanism::JointModel::Spherical, rotation) => rotation_vector(rotation).to_vec(),
+        (mechanism::JointModel::Free, coordinates) => {
             let (rotation, position) = coordinates.split_at_checked(4).unwrap_or_default();
             rotation_vector(rotation)
                 .into_iter()
@@ -98,7 +98,7 @@ fn freedoms(link: &Link) -> std::vec::Vec<Freedom> {
             let unlimited =
                 [if is_ball && axis == 0 { 0.0 } else { f64::NEG_INFINITY }, f64::INFINITY];
             let range = link.ranges.get(axis).copied().unwrap_or(unlimited).map(single);
-            Freedom {
+            BoardDof {
                 range,
                 // A home at an end of its range may be beyond it by a rounding of f32.
                 home: if is_ball { home } else { home.max(range[0]).min(range[1]) },
@@ -123,12 +123,12 @@ fn rotation_vector(rotation: &[f64]) -> [f32; 3] {
 
 /// `None` if one of its joints is fixed, which `Description::check` refuses.
 fn limit_of(places: &Places<'_>, limit: &description::LinkedLimit) -> Option<LinkedLimit> {
-    let freedom = |joint: &str| places.get(joint).map(|place| place.start);
+    let dof = |joint: &str| places.get(joint).map(|place| place.start);
     let least = limit.least_rad.or(limit.least_m).unwrap_or(f64::NEG_INFINITY);
     let most = limit.most_rad.or(limit.most_m).unwrap_or(f64::INFINITY);
     Some(LinkedLimit {
-        freedom: freedom(&limit.joint)?,
-        other: freedom(&limit.other)?,
+        dof: dof(&limit.joint)?,
+        other: dof(&limit.other)?,
         factor: single(limit.factor),
         other_factor: single(limit.other_factor),
         range: [least, most].map(single),
@@ -146,12 +146,12 @@ fn drives(
         .iter()
         .map(|of| {
             let joints = of.joints.iter().filter_map(|joint| rig.joints.get(*joint));
-            let freedoms =
+            let dofs =
                 joints.filter_map(|joint| places.get(joint.name.as_str())).flat_map(Range::clone);
             BoardDrive {
                 drive: of.drive.clone(),
                 // What is beyond has no place in any drive, and is refused for its count.
-                freedoms: freedoms.take(MOST).collect(),
+                dofs: dofs.take(MOST).collect(),
                 servos: of.servos.iter().map(index).take(MOST).collect(),
             }
         })

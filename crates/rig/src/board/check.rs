@@ -6,17 +6,17 @@ use sinew_core::{JointKind, math};
 use super::{BoardDrive, BoardRig, BoardRigError};
 use crate::drive::Drive;
 
-impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
+impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> BoardRig<BODIES, DOFS, SERVOS> {
     /// That its parts fit each other.
     pub(super) fn check(&self) -> Result<(), BoardRigError> {
         if self.tree.is_empty() {
             return Err(BoardRigError::Count { what: "bodies", expected: 1, found: 0 });
         }
-        let (expected, found) = (self.tree.degrees_of_freedom(), self.freedoms.len());
+        let (expected, found) = (self.tree.dof_count(), self.dofs.len());
         if expected != found {
             return Err(BoardRigError::Count { what: "degrees of freedom", expected, found });
         }
-        self.check_freedoms()?;
+        self.check_dofs()?;
         self.check_balls()?;
         self.check_limits()?;
         self.check_drives()?;
@@ -29,20 +29,16 @@ impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
         Ok(())
     }
 
-    fn check_freedoms(&self) -> Result<(), BoardRigError> {
-        for (index, freedom) in self.freedoms.iter().enumerate() {
-            check_range("range of freedom", index, freedom.range)?;
-            if !freedom.home.is_finite() {
-                return Err(BoardRigError::Number {
-                    what: "home of freedom",
-                    index,
-                    found: freedom.home,
-                });
+    fn check_dofs(&self) -> Result<(), BoardRigError> {
+        for (index, dof) in self.dofs.iter().enumerate() {
+            check_range("range of dof", index, dof.range)?;
+            if !dof.home.is_finite() {
+                return Err(BoardRigError::Number { what: "home of dof", index, found: dof.home });
             }
             for (what, found) in [
-                ("speed of freedom", freedom.speed),
-                ("acceleration of freedom", freedom.acceleration),
-                ("effort of freedom", freedom.effort),
+                ("speed of dof", dof.speed),
+                ("acceleration of dof", dof.acceleration),
+                ("effort of dof", dof.effort),
             ] {
                 // NaN is not within.
                 if !(0.0..).contains(&found) {
@@ -57,20 +53,20 @@ impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
     fn check_balls(&self) -> Result<(), BoardRigError> {
         let mut first = 0_usize;
         for body in self.tree.bodies() {
-            let count = body.joint.degrees_of_freedom();
-            let own = || self.freedoms.iter().skip(first).take(count);
-            let what = "home, beyond its range, of freedom";
+            let count = body.joint.dof_count();
+            let own = || self.dofs.iter().skip(first).take(count);
+            let what = "home, beyond its range, of dof";
             if body.joint == JointKind::Spherical {
-                let squares: f32 = own().map(|freedom| freedom.home * freedom.home).sum();
+                let squares: f32 = own().map(|dof| dof.home * dof.home).sum();
                 let (angle, most) =
-                    (math::sqrt(squares), own().next().map_or(0.0, |freedom| freedom.range[1]));
+                    (math::sqrt(squares), own().next().map_or(0.0, |dof| dof.range[1]));
                 // Three squares of f32 may be above the bound by rounding.
                 if !(..=most * (1.0 + 4.0 * f32::EPSILON)).contains(&angle) {
                     return Err(BoardRigError::Number { what, index: first, found: angle });
                 }
             } else {
-                for (place, freedom) in own().enumerate() {
-                    let ([least, most], found) = (freedom.range, freedom.home);
+                for (place, dof) in own().enumerate() {
+                    let ([least, most], found) = (dof.range, dof.home);
                     if found < least || found > most {
                         let index = first.saturating_add(place);
                         return Err(BoardRigError::Number { what, index, found });
@@ -84,14 +80,14 @@ impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
 
     fn check_limits(&self) -> Result<(), BoardRigError> {
         for (index, limit) in self.limits.iter().enumerate() {
-            for found in [limit.freedom, limit.other].map(usize::from) {
-                if found >= self.freedoms.len() {
-                    let (what, part) = ("limit", "freedom");
+            for found in [limit.dof, limit.other].map(usize::from) {
+                if found >= self.dofs.len() {
+                    let (what, part) = ("limit", "dof");
                     return Err(BoardRigError::Index { what, index, part, found });
                 }
             }
-            if limit.freedom == limit.other {
-                return Err(BoardRigError::Shared { what: "freedom of limit", index });
+            if limit.dof == limit.other {
+                return Err(BoardRigError::Shared { what: "dof of limit", index });
             }
             for found in [limit.factor, limit.other_factor] {
                 if !found.is_finite() {
@@ -104,12 +100,12 @@ impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
     }
 
     fn check_drives(&self) -> Result<(), BoardRigError> {
-        let (mut freedoms, mut servos) = (Vec::<u16, V>::new(), Vec::<u16, S>::new());
+        let (mut dofs, mut servos) = (Vec::<u16, DOFS>::new(), Vec::<u16, SERVOS>::new());
         for (index, drive) in self.drives.iter().enumerate() {
-            take(index, "freedom", &drive.freedoms, self.freedoms.len(), &mut freedoms)?;
+            take(index, "dof", &drive.dofs, self.dofs.len(), &mut dofs)?;
             take(index, "servo", &drive.servos, self.servos.len(), &mut servos)?;
             for (what, expected, found) in [
-                ("freedoms of a drive", drive.drive.freedoms(), drive.freedoms.len()),
+                ("dofs of a drive", drive.drive.dofs(), drive.dofs.len()),
                 ("servos of a drive", drive.drive.servos(), drive.servos.len()),
             ] {
                 if expected != found {
@@ -126,15 +122,15 @@ impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
     /// Whether a drive moves whole joints: one ball joint, or joints with axes.
     fn fits(&self, drive: &BoardDrive) -> bool {
         let is_ball = matches!(&drive.drive, Drive::Matrix(matrix) if matrix.is_ball());
-        let mut rest = &drive.freedoms[..];
+        let mut rest = &drive.dofs[..];
         while let Some(first) = rest.first() {
             let mut at = 0_usize;
             let joint = self.tree.bodies().iter().map(|body| body.joint).find(|joint| {
                 let here = at;
-                at = at.saturating_add(joint.degrees_of_freedom());
-                here == usize::from(*first) && joint.degrees_of_freedom() > 0
+                at = at.saturating_add(joint.dof_count());
+                here == usize::from(*first) && joint.dof_count() > 0
             });
-            let count = joint.map_or(0, JointKind::degrees_of_freedom);
+            let count = joint.map_or(0, JointKind::dof_count);
             let Some((own, behind)) = rest.split_at_checked(count) else { return false };
             let in_order = own.windows(2).all(|pair| match pair {
                 [a, b] => a.checked_add(1) == Some(*b),

@@ -7,7 +7,7 @@ use sinew_core::glam::Vec3;
 use sinew_core::{Body, Inertia, JointKind, RotationalInertia, Transform, Tree};
 
 use super::bytes::{Reader, Writer};
-use super::{Address, BoardDrive, BoardRig, BoardRigError, BoardServo, Freedom, LinkedLimit};
+use super::{Address, BoardDof, BoardDrive, BoardRig, BoardRigError, BoardServo, LinkedLimit};
 use crate::drive::{Curve, Drive, DriveError, ENTRIES, FourBar, Links, MOST, Matrix, POINTS};
 use crate::servo::{Servo, ServoSettings, SignalLoss};
 
@@ -17,7 +17,7 @@ const VERSION: u16 = 1;
 /// Addresses from here on are channels.
 const CHANNELS: u16 = 256;
 
-impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
+impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> BoardRig<BODIES, DOFS, SERVOS> {
     /// Writes the rig, and says how many bytes it takes. [`Self::decode`] reads it on boards of any capacity that is
     /// large enough.
     ///
@@ -29,7 +29,7 @@ impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
         to.u16(VERSION);
         let counts = [
             self.tree.len(),
-            self.freedoms.len(),
+            self.dofs.len(),
             self.limits.len(),
             self.drives.len(),
             self.servos.len(),
@@ -40,12 +40,12 @@ impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
         for body in self.tree.bodies() {
             write_body(&mut to, body);
         }
-        for freedom in &self.freedoms {
-            let Freedom { range: [least, most], home, speed, acceleration, effort } = *freedom;
+        for dof in &self.dofs {
+            let BoardDof { range: [least, most], home, speed, acceleration, effort } = *dof;
             to.numbers([least, most, home, speed, acceleration, effort]);
         }
         for limit in &self.limits {
-            to.u16(limit.freedom);
+            to.u16(limit.dof);
             to.u16(limit.other);
             to.numbers([limit.factor, limit.other_factor]);
             to.numbers(limit.range);
@@ -89,7 +89,7 @@ impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
     fn empty() -> Self {
         Self {
             tree: Tree::new(),
-            freedoms: Vec::new(),
+            dofs: Vec::new(),
             limits: Vec::new(),
             drives: Vec::new(),
             servos: Vec::new(),
@@ -127,22 +127,22 @@ impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
                 Ok(found)
             }
         };
-        let bodies = count("bodies", B)?;
-        let freedoms = count("degrees of freedom", V)?;
-        let limits = count("linked limits", V)?;
-        let drives = count("drives", S)?;
-        let servos = count("servos", S)?;
+        let bodies = count("bodies", BODIES)?;
+        let dofs = count("degrees of freedom", DOFS)?;
+        let limits = count("linked limits", DOFS)?;
+        let drives = count("drives", SERVOS)?;
+        let servos = count("servos", SERVOS)?;
         for index in 0..bodies {
             self.tree.push(read_body(from, index)?).map_err(BoardRigError::Tree)?;
         }
-        items_in(&mut self.freedoms, freedoms, |_| {
+        items_in(&mut self.dofs, dofs, |_| {
             let [least, most, home, speed, acceleration, effort] = from.numbers();
-            Ok(Freedom { range: [least, most], home, speed, acceleration, effort })
+            Ok(BoardDof { range: [least, most], home, speed, acceleration, effort })
         })?;
         items_in(&mut self.limits, limits, |_| {
-            let (freedom, other) = (from.u16(), from.u16());
+            let (dof, other) = (from.u16(), from.u16());
             let [factor, other_factor, least, most] = from.numbers();
-            Ok(LinkedLimit { freedom, other, factor, other_factor, range: [least, most] })
+            Ok(LinkedLimit { dof, other, factor, other_factor, range: [least, most] })
         })?;
         items_in(&mut self.drives, drives, |index| read_drive(from, index))?;
         items_in(&mut self.servos, servos, |index| read_servo(from, index))?;
@@ -226,7 +226,7 @@ fn read_body(from: &mut Reader<'_>, index: usize) -> Result<Body, BoardRigError>
 }
 
 fn write_drive(to: &mut Writer<'_>, drive: &BoardDrive) {
-    for indices in [&drive.freedoms, &drive.servos] {
+    for indices in [&drive.dofs, &drive.servos] {
         to.count(indices.len());
         for index in indices {
             to.u16(*index);
@@ -263,20 +263,20 @@ fn read_drive(from: &mut Reader<'_>, index: usize) -> Result<BoardDrive, BoardRi
         }
         items(found, |_| Ok(from.u16()))
     };
-    let (freedoms, servos) = (indices("freedoms")?, indices("servos")?);
+    let (dofs, servos) = (indices("dofs")?, indices("servos")?);
     let refused = |error| BoardRigError::Drive { index, error };
     let drive = match from.u16() {
         kind @ (0 | 1) => {
-            let found = freedoms.len().saturating_mul(servos.len());
+            let found = dofs.len().saturating_mul(servos.len());
             if found > ENTRIES {
                 return Err(refused(DriveError::TooMany { what: "numbers", found, most: ENTRIES }));
             }
             let numbers: Vec<f32, ENTRIES> = items(found, |_| Ok(from.f32()))?;
-            let offset: Vec<f32, MOST> = items(freedoms.len(), |_| Ok(from.f32()))?;
+            let offset: Vec<f32, MOST> = items(dofs.len(), |_| Ok(from.f32()))?;
             // At least one a row, or the chunks have no size; `new` refuses a matrix without rows.
             let mut rows = Vec::<&[f32], MOST>::new();
             for row in numbers.chunks_exact(servos.len().max(1)) {
-                // There is room: freedoms were counted.
+                // There is room: dofs were counted.
                 let _ = rows.push(row);
             }
             // No pointer to a function: the audit could not follow it.
@@ -320,7 +320,7 @@ fn read_drive(from: &mut Reader<'_>, index: usize) -> Result<BoardDrive, BoardRi
         }
         found => return Err(BoardRigError::Kind { what: "drive", index, found, most: 3 }),
     };
-    Ok(BoardDrive { drive, freedoms, servos })
+    Ok(BoardDrive { drive, dofs, servos })
 }
 
 fn write_servo(to: &mut Writer<'_>, servo: &BoardServo) {

@@ -70,28 +70,28 @@ pub enum BoardRigError {
         what: &'static str,
         /// Which one.
         index: usize,
-        /// The part: `"freedom"`, `"servo"`.
+        /// The part: `"dof"`, `"servo"`.
         part: &'static str,
         /// The index of the part.
         found: usize,
     },
     /// Two of a kind share what one alone may have.
     Shared {
-        /// What: `"freedom"`, `"servo"`, `"address of servo"`.
+        /// What: `"dof"`, `"servo"`, `"address of servo"`.
         what: &'static str,
         /// Index of the second one that has it.
         index: usize,
     },
     /// A number is NaN, or cannot be.
     Number {
-        /// Of what: `"range of freedom"`, ...
+        /// Of what: `"range of dof"`, ...
         what: &'static str,
         /// Which one.
         index: usize,
         /// The number.
         found: f32,
     },
-    /// A drive does not fit its joints: their freedoms are not whole, or it moves a ball joint as if it had axes.
+    /// A drive does not fit its joints: their dofs are not whole, or it moves a ball joint as if it had axes.
     Joints {
         /// The drive.
         drive: usize,
@@ -150,7 +150,7 @@ impl fmt::Display for BoardRigError {
             }
             Self::Joints { drive } => write!(
                 f,
-                "drive {drive} does not fit its joints: it must move all freedoms of each, and a ball joint alone"
+                "drive {drive} does not fit its joints: it must move all dofs of each, and a ball joint alone"
             ),
             Self::Tree(error) => write!(f, "the rig's bodies: {error}"),
             Self::Drive { index, error } => write!(f, "drive {index}: {error}"),

@@ -11,9 +11,9 @@
 //! | b x 100 | body: parent i16 (-1: the world), joint kind u16 (0 fixed, 1 revolute, 2 prismatic, 3 universal, 4
 //! spherical, 5 free), two axes 6 x f32 (unused ones zero), placement quaternion xyzw and translation 7 x f32 (m), mass
 //! f32 (kg), centre of mass 3 x f32 (m), inertia xx xy xz yy yz zz 6 x f32 (kg m²), rotor inertia f32 (kg m², kg) |
-//! | v x 24 | freedom: least, most, home, largest speed, acceleration and effort, 6 x f32 (rad, m, N m, N) |
-//! | 20 each | linked limit: freedom and other u16, factors 2 x f32, least and most 2 x f32 |
-//! | | drive: its freedoms and its servos, each a count u16 and as many indices u16; kind u16 and numbers: 0 matrix, 1
+//! | v x 24 | dof: least, most, home, largest speed, acceleration and effort, 6 x f32 (rad, m, N m, N) |
+//! | 20 each | linked limit: dof and other u16, factors 2 x f32, least and most 2 x f32 |
+//! | | drive: its dofs and its servos, each a count u16 and as many indices u16; kind u16 and numbers: 0 matrix, 1
 //! matrix of a ball joint: rows, then offsets, f32; 2 curve: count of points u16, points 2 x f32; 3 four-bar: ground,
 //! crank, coupler, rocker, crank's zero, rocker's zero, range 8 x f32, crossed u16 |
 //! | s x 56 | servo: bus u16, address u16 (channels from 256), gear, offset, range, torque, speed, acceleration, torque
@@ -49,14 +49,14 @@ use crate::servo::{Address, Servo};
 pub use bake::BakeError;
 pub use error::BoardRigError;
 
-/// A rig of at most `B` bodies, `V` degrees of freedom (and linked limits), and `S` servos (and drives).
+/// A rig of at most `BODIES` bodies, `DOFS` degrees of freedom (and linked limits), and `SERVOS` servos (and drives).
 #[derive(Debug, Clone, PartialEq)]
-pub struct BoardRig<const B: usize, const V: usize, const S: usize> {
-    tree: Tree<B>,
-    freedoms: Vec<Freedom, V>,
-    limits: Vec<LinkedLimit, V>,
-    drives: Vec<BoardDrive, S>,
-    servos: Vec<BoardServo, S>,
+pub struct BoardRig<const BODIES: usize, const DOFS: usize, const SERVOS: usize> {
+    tree: Tree<BODIES>,
+    dofs: Vec<BoardDof, DOFS>,
+    limits: Vec<LinkedLimit, DOFS>,
+    drives: Vec<BoardDrive, SERVOS>,
+    servos: Vec<BoardServo, SERVOS>,
 }
 
 /// One degree of freedom: rad, or m of a slide.
@@ -64,7 +64,7 @@ pub struct BoardRig<const B: usize, const V: usize, const S: usize> {
 /// Of a ball joint, the first one's range is `[0, most]`, of the angle from the zero pose; the others have none. Its
 /// three homes are the rotation vector.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Freedom {
+pub struct BoardDof {
     /// Least and most position; infinite for no limit.
     pub range: [f32; 2],
     /// Position in the home pose.
@@ -77,11 +77,11 @@ pub struct Freedom {
     pub effort: f32,
 }
 
-/// `least <= factor · q[freedom] + other_factor · q[other] <= most`.
+/// `least <= factor · q[dof] + other_factor · q[other] <= most`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinkedLimit {
-    /// Index of a freedom.
-    pub freedom: u16,
+    /// Index of a dof.
+    pub dof: u16,
     /// Index of another one.
     pub other: u16,
     /// Factor of the first.
@@ -97,8 +97,8 @@ pub struct LinkedLimit {
 pub struct BoardDrive {
     /// The drive.
     pub drive: Drive,
-    /// Indices of its freedoms, in its order.
-    pub freedoms: Vec<u16, MOST>,
+    /// Indices of its dofs, in its order.
+    pub dofs: Vec<u16, MOST>,
     /// Indices of its servos, in its order.
     pub servos: Vec<u16, MOST>,
 }
@@ -114,18 +114,18 @@ pub struct BoardServo {
     pub servo: Servo,
 }
 
-impl<const B: usize, const V: usize, const S: usize> BoardRig<B, V, S> {
+impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> BoardRig<BODIES, DOFS, SERVOS> {
     /// Its bodies.
-    pub fn tree(&self) -> &Tree<B> {
+    pub fn tree(&self) -> &Tree<BODIES> {
         &self.tree
     }
 
     /// Its degrees of freedom, in the order of the tree's.
-    pub fn freedoms(&self) -> &[Freedom] {
-        &self.freedoms
+    pub fn dofs(&self) -> &[BoardDof] {
+        &self.dofs
     }
 
-    /// Limits that join two freedoms.
+    /// Limits that join two dofs.
     pub fn limits(&self) -> &[LinkedLimit] {
         &self.limits
     }

@@ -2,10 +2,10 @@
 
 use super::{Joint, JointType};
 
-/// How some servos move some joints. A joint's freedoms, and a servo, belong to one drive at most.
+/// How some servos move some joints. A joint's dofs, and a servo, belong to one drive at most.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Drive {
-    /// The joints, each with all its freedoms in their order.
+    /// The joints, each with all its dofs in their order.
     pub joints: Vec<String>,
     /// The servos.
     pub servos: Vec<String>,
@@ -16,7 +16,7 @@ pub struct Drive {
 /// The kinds of drive. Servo positions `s` are those of the output shafts, after direction and offset, rad.
 #[derive(Debug, Clone, PartialEq)]
 pub enum DriveKind {
-    /// `q = matrix · s + offset`, a row a freedom, a column a servo; of full rank. One servo on one joint is `[[1]]`,
+    /// `q = matrix · s + offset`, a row a dof, a column a servo; of full rank. One servo on one joint is `[[1]]`,
     /// two that face each other on one joint are `[[0.5, -0.5]]`, a mimic joint is `[[1], [0.5]]`, a differential pair
     /// is `[[0.5, 0.5], [0.5, -0.5]]`. Of a spherical joint `q` is the rotation vector.
     Matrix {

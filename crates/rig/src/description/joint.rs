@@ -20,7 +20,7 @@ pub enum JointType {
 
 impl JointType {
     /// How many numbers make its speed.
-    pub fn degrees_of_freedom(self) -> usize {
+    pub fn dof_count(self) -> usize {
         match self {
             Self::Fixed => 0,
             Self::Revolute | Self::Prismatic => 1,
@@ -69,7 +69,7 @@ pub struct Joint {
     pub acceleration_m_s2: Option<f64>,
     /// The largest torque (N m) or force (N) that the joint is given.
     pub effort: Option<f64>,
-    /// What the drive's rotor adds to the inertia of each freedom, as its gear shows it: kg m², or kg of a slide.
+    /// What the drive's rotor adds to the inertia of each dof, as its gear shows it: kg m², or kg of a slide.
     /// Default: that of the servos which move the joint.
     pub rotor_inertia: Option<f64>,
     /// Coulomb friction beside that of the servos: N m, or N of a slide.
@@ -135,7 +135,7 @@ impl Joint {
 /// For two lids that must not meet: `1 · upper - 1 · lower >= 0`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinkedLimit {
-    /// A joint of one freedom.
+    /// A joint of one dof.
     pub joint: String,
     /// Another one.
     pub other: String,

@@ -5,7 +5,7 @@ use glam::{DQuat, DVec3};
 use super::mass::Mass;
 use super::{Base, Body, Description, DescriptionError, Joint, JointType, LinkedLimit};
 use crate::actuation::JointDefaults;
-use crate::mechanism::{Freedom, Link, LinkedRange, Mechanism, MergedBody, Pose};
+use crate::mechanism::{JointModel, Link, LinkedRange, Mechanism, MergedBody, Pose};
 
 impl Description {
     /// The bodies and joints by index: depth first in the order of the joints, body 0 the base, and every body on a
@@ -45,8 +45,8 @@ impl Description {
 
     fn base_link(&self, base: &Body) -> Link {
         let (joint, home) = match self.mount.base {
-            Base::Fixed => (Freedom::Fixed, Vec::new()),
-            Base::Driven => (Freedom::Free, Freedom::Free.zero()),
+            Base::Fixed => (JointModel::Fixed, Vec::new()),
+            Base::Driven => (JointModel::Free, JointModel::Free.zero()),
         };
         let rotation = unit(self.mount.rotation_xyzw);
         let frame = Pose { rotation, position_m: self.mount.position_m.into() };
@@ -66,7 +66,7 @@ fn moved_link(
         own.or(servos.map(of)).unwrap_or(neither)
     };
     Link {
-        joint: freedom(joint),
+        joint: dof(joint),
         rotor_inertia: or_servos(joint.rotor_inertia, |servos| servos.rotor_inertia, 0.0),
         friction: joint.friction + servos.map_or(0.0, |servos| servos.friction),
         damping: joint.damping + servos.map_or(0.0, |servos| servos.damping),
@@ -96,7 +96,7 @@ fn link(body: &Body, joint_name: &str, parent: Option<usize>, frame: Pose) -> Li
         mass_kg: mass.kg,
         center_of_mass_m: mass.center_m,
         inertia_kg_m2: mass.inertia_kg_m2,
-        ..Link::on(parent, Freedom::Fixed, frame.position_m)
+        ..Link::on(parent, JointModel::Fixed, frame.position_m)
     }
 }
 
@@ -135,19 +135,19 @@ fn merge(link: &mut Link, body: &Body, frame: Pose) {
     link.merged.push(MergedBody { name: body.name.clone(), position_m, rotation });
 }
 
-fn freedom(joint: &Joint) -> Freedom {
+fn dof(joint: &Joint) -> JointModel {
     // `check` has seen that the axes are there, not zero, and at right angles.
     let unit = |axis: Option<[f64; 3]>| DVec3::from(axis.unwrap_or_default()).normalize_or_zero();
     match joint.kind {
-        JointType::Fixed => Freedom::Fixed,
-        JointType::Revolute => Freedom::Revolute(unit(joint.axis)),
-        JointType::Prismatic => Freedom::Prismatic(unit(joint.axis)),
+        JointType::Fixed => JointModel::Fixed,
+        JointType::Revolute => JointModel::Revolute(unit(joint.axis)),
+        JointType::Prismatic => JointModel::Prismatic(unit(joint.axis)),
         JointType::Universal => {
             let (first, second) = (unit(joint.axis), unit(joint.second_axis));
-            Freedom::Universal([first, second.reject_from_normalized(first).normalize_or_zero()])
+            JointModel::Universal([first, second.reject_from_normalized(first).normalize_or_zero()])
         }
-        JointType::Spherical => Freedom::Spherical,
-        JointType::Free => Freedom::Free,
+        JointType::Spherical => JointModel::Spherical,
+        JointType::Free => JointModel::Free,
     }
 }
 
@@ -197,7 +197,7 @@ mod tests {
                 ("other", Some(0))
             ]
         );
-        assert_eq!(mechanism.freedom_names(), ["j1", "j0", "j3", "j2"]);
+        assert_eq!(mechanism.dof_names(), ["j1", "j0", "j3", "j2"]);
     }
 
     #[test]

@@ -20,7 +20,7 @@ pub enum Base {
     /// Bolted to the world, or to a stand.
     #[default]
     Fixed,
-    /// On a drive of six freedoms.
+    /// On a drive of six dofs.
     Driven,
 }
 

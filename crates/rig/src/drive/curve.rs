@@ -69,7 +69,7 @@ impl Curve {
         }
         let mean = (last[1] - first[1]) / (last[0] - first[0]);
         if mean.abs() < LEAST_MOTION {
-            return Err(DriveError::Unmoved { freedom: 0, largest: mean.abs() });
+            return Err(DriveError::Unmoved { dof: 0, largest: mean.abs() });
         }
         let mut knots = Vec::new();
         for (index, [servo, joint]) in points.iter().enumerate() {

@@ -8,7 +8,7 @@ use core::fmt;
 pub enum DriveError {
     /// More of something than a drive holds.
     TooMany {
-        /// Of what: `"freedoms"`, `"servos"`, `"numbers"` of a matrix, or `"points"` of a curve.
+        /// Of what: `"dofs"`, `"servos"`, `"numbers"` of a matrix, or `"points"` of a curve.
         what: &'static str,
         /// How many there are.
         found: usize,
@@ -48,10 +48,10 @@ pub enum DriveError {
         /// The most that it may be.
         most: f32,
     },
-    /// A row of the matrix has no number of at least 1e-6 in size: no servo moves that freedom.
+    /// A row of the matrix has no number of at least 1e-6 in size: no servo moves that dof.
     Unmoved {
-        /// The freedom.
-        freedom: usize,
+        /// The dof.
+        dof: usize,
         /// The largest number of its row, in size.
         largest: f32,
     },
@@ -114,7 +114,7 @@ pub enum DriveError {
     /// A ball joint needs a matrix of three rows and at least three columns.
     Ball {
         /// Rows.
-        freedoms: usize,
+        dofs: usize,
         /// Columns.
         servos: usize,
     },
@@ -135,9 +135,9 @@ impl fmt::Display for DriveError {
             Self::Number { what, index, found, least, most } => {
                 write!(f, "{what} {index} is {found}; it must be a number from {least} to {most}")
             }
-            Self::Unmoved { freedom, largest } => write!(
+            Self::Unmoved { dof, largest } => write!(
                 f,
-                "no servo moves freedom {freedom}: the largest number of its row is {largest}; \
+                "no servo moves dof {dof}: the largest number of its row is {largest}; \
                  it must be at least 1e-6 in size"
             ),
             Self::Idle { servo, largest } => write!(
@@ -186,9 +186,9 @@ impl fmt::Display for DriveError {
             Self::RockerWraps => f.write_str(
                 "the rocker passes half a turn from its zero; set its zero near the middle of its range",
             ),
-            Self::Ball { freedoms, servos } => write!(
+            Self::Ball { dofs, servos } => write!(
                 f,
-                "the matrix is {freedoms} x {servos}; a ball joint needs three rows and at least three columns"
+                "the matrix is {dofs} x {servos}; a ball joint needs three rows and at least three columns"
             ),
         }
     }
@@ -200,7 +200,7 @@ impl core::error::Error for DriveError {}
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum DriveInputError {
-    /// Not one number for each freedom, or for each servo.
+    /// Not one number for each dof, or for each servo.
     Count {
         /// What the numbers are.
         what: &'static str,

@@ -17,7 +17,7 @@ pub const ENTRIES: usize = 16;
 /// an encoder of 4096 steps has.
 const CONDITION_MOST: f32 = 100.0;
 
-/// `q = G s + offset`, a row a freedom, a column a servo; of full rank.
+/// `q = G s + offset`, a row a dof, a column a servo; of full rank.
 ///
 /// One servo on one joint is `[[1]]`, two that face each other on one joint `[[0.5, -0.5]]`, a mimic joint
 /// `[[1], [0.5]]`, a differential pair `[[0.5, 0.5], [0.5, -0.5]]`.
@@ -41,9 +41,9 @@ impl Matrix {
     /// # Errors
     /// [`DriveError`] if the matrix is empty, too large, ragged, singular or not of numbers.
     pub fn new(rows: &[impl AsRef<[f32]>], offset: &[f32]) -> Result<Self, DriveError> {
-        let freedoms = rows.len();
+        let dofs = rows.len();
         let servos = rows.first().map_or(0, |row| row.as_ref().len());
-        for (what, found) in [("freedoms", freedoms), ("servos", servos)] {
+        for (what, found) in [("dofs", dofs), ("servos", servos)] {
             if found == 0 {
                 return Err(DriveError::TooFew { what, found, least: 1 });
             }
@@ -51,7 +51,7 @@ impl Matrix {
                 return Err(DriveError::TooMany { what, found, most: MOST });
             }
         }
-        let found = freedoms.saturating_mul(servos);
+        let found = dofs.saturating_mul(servos);
         if found > ENTRIES {
             return Err(DriveError::TooMany { what: "numbers", found, most: ENTRIES });
         }
@@ -62,13 +62,13 @@ impl Matrix {
             }
         }
         if !offset.is_empty() {
-            length("offset", 0, offset.len(), freedoms)?;
+            length("offset", 0, offset.len(), dofs)?;
         }
         for (index, number) in offset.iter().enumerate() {
             bounded("offset", index, *number, [-LARGEST, LARGEST])?;
         }
         let rows = collect(rows.iter().flat_map(|row| row.as_ref().iter().copied()));
-        let offset = collect(offset.iter().copied().chain(core::iter::repeat(0.0)).take(freedoms));
+        let offset = collect(offset.iter().copied().chain(core::iter::repeat(0.0)).take(dofs));
         let mut matrix = Self { servos, rows, inverse: Vec::new(), offset, ball: false };
         matrix.check_motion()?;
         matrix.invert()?;
@@ -81,15 +81,15 @@ impl Matrix {
     /// As [`Self::new`], and [`DriveError::Ball`] if it has not three rows and at least three columns.
     pub fn of_ball(rows: &[impl AsRef<[f32]>], offset: &[f32]) -> Result<Self, DriveError> {
         let matrix = Self::new(rows, offset)?;
-        let (freedoms, servos) = (matrix.freedoms(), matrix.servos);
-        if freedoms != 3 || servos < 3 {
-            return Err(DriveError::Ball { freedoms, servos });
+        let (dofs, servos) = (matrix.dofs(), matrix.servos);
+        if dofs != 3 || servos < 3 {
+            return Err(DriveError::Ball { dofs, servos });
         }
         Ok(Self { ball: true, ..matrix })
     }
 
-    /// How many freedoms it moves.
-    pub fn freedoms(&self) -> usize {
+    /// How many dofs it moves.
+    pub fn dofs(&self) -> usize {
         self.offset.len()
     }
 
@@ -115,10 +115,10 @@ impl Matrix {
     }
 
     fn check_motion(&self) -> Result<(), DriveError> {
-        for (freedom, row) in self.rows().enumerate() {
+        for (dof, row) in self.rows().enumerate() {
             let largest = largest(row.iter());
             if largest < LEAST_MOTION {
-                return Err(DriveError::Unmoved { freedom, largest });
+                return Err(DriveError::Unmoved { dof, largest });
             }
         }
         for servo in 0..self.servos {
@@ -135,7 +135,7 @@ impl Matrix {
         let scaled: Vec<f32, ENTRIES> = collect(
             self.rows().zip(&lengths).flat_map(|(row, length)| row.iter().map(move |x| x / length)),
         );
-        let (inverse, condition) = pseudo_inverse(&scaled, self.freedoms(), self.servos);
+        let (inverse, condition) = pseudo_inverse(&scaled, self.dofs(), self.servos);
         // NaN is not within.
         if !(0.0..=CONDITION_MOST).contains(&condition) {
             return Err(DriveError::Singular { condition, most: CONDITION_MOST });
@@ -162,7 +162,7 @@ impl Matrix {
 
     /// `G⁺ q̇`.
     pub(super) fn servos_of(&self, joints: &[f32]) -> Numbers {
-        collect(self.inverse.chunks_exact(self.freedoms().max(1)).map(|row| dot(row, joints)))
+        collect(self.inverse.chunks_exact(self.dofs().max(1)).map(|row| dot(row, joints)))
     }
 
     /// `Gᵀ τ`.
@@ -172,7 +172,7 @@ impl Matrix {
 
     /// `G⁺ᵀ τ`.
     pub(super) fn efforts_of(&self, torques: &[f32]) -> Numbers {
-        transposed_times(&self.inverse, self.freedoms(), torques)
+        transposed_times(&self.inverse, self.dofs(), torques)
     }
 
     pub(super) fn at_joints(&self, q: &[f32]) -> DrivePose<'_> {

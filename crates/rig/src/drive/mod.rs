@@ -55,10 +55,10 @@ pub use pose::DrivePose;
 
 use pose::Tangent;
 
-/// The most freedoms of a drive, and the most servos.
+/// The most dofs of a drive, and the most servos.
 pub const MOST: usize = 6;
 
-/// One number for each freedom, or for each servo, of a drive.
+/// One number for each dof, or for each servo, of a drive.
 pub type Numbers = Vec<f32, MOST>;
 
 /// The largest number that a drive takes, as in `sinew-core`'s coordinates.
@@ -97,10 +97,10 @@ impl From<FourBar> for Drive {
 }
 
 impl Drive {
-    /// How many freedoms it moves.
-    pub fn freedoms(&self) -> usize {
+    /// How many dofs it moves.
+    pub fn dofs(&self) -> usize {
         match self {
-            Self::Matrix(matrix) => matrix.freedoms(),
+            Self::Matrix(matrix) => matrix.dofs(),
             Self::Curve(_) | Self::FourBar(_) => 1,
         }
     }
@@ -116,13 +116,13 @@ impl Drive {
     /// The drive where the joints are at `q`, rad or m. Beyond the ends of a curve or a four-bar it is held at the end,
     /// and says so.
     ///
-    /// With fewer servos than freedoms (mimic joints), `q` may be out of what the servos can do: they then go where the
+    /// With fewer servos than dofs (mimic joints), `q` may be out of what the servos can do: they then go where the
     /// squared errors, each as a share of its joint's row, are least together.
     ///
     /// # Errors
-    /// [`DriveInputError`] if there is not one number for each freedom, or one is NaN, infinite or above 1e6 in size.
+    /// [`DriveInputError`] if there is not one number for each dof, or one is NaN, infinite or above 1e6 in size.
     pub fn at_joints(&self, q: &[f32]) -> Result<DrivePose<'_>, DriveInputError> {
-        check("joint positions", self.freedoms(), q)?;
+        check("joint positions", self.dofs(), q)?;
         Ok(match (self, q) {
             (Self::Matrix(matrix), _) => matrix.at_joints(q),
             (Self::Curve(curve), &[q, ..]) => curve.at_joint(q),

@@ -42,10 +42,10 @@ impl DrivePose<'_> {
         self.reason
     }
 
-    /// Velocities of the servos' shafts, rad/s, at velocities of the joints' freedoms.
+    /// Velocities of the servos' shafts, rad/s, at velocities of the joints' dofs.
     ///
     /// # Errors
-    /// [`DriveInputError`] if there is not one number for each freedom, or one is NaN, infinite or above 1e6 in size.
+    /// [`DriveInputError`] if there is not one number for each dof, or one is NaN, infinite or above 1e6 in size.
     pub fn servo_velocities(&self, qd: &[f32]) -> Result<Numbers, DriveInputError> {
         check("joint velocities", self.joints.len(), qd)?;
         Ok(match &self.tangent {
@@ -55,7 +55,7 @@ impl DrivePose<'_> {
         })
     }
 
-    /// Velocities of the joints' freedoms at velocities of the servos' shafts, rad/s.
+    /// Velocities of the joints' dofs at velocities of the servos' shafts, rad/s.
     ///
     /// # Errors
     /// [`DriveInputError`] if there is not one number for each servo, or one is NaN, infinite or above 1e6 in size.
@@ -68,11 +68,11 @@ impl DrivePose<'_> {
         })
     }
 
-    /// Torques of the servos' shafts, N m, that give efforts at the joints' freedoms, N m or N: by virtual work. Servos
+    /// Torques of the servos' shafts, N m, that give efforts at the joints' dofs, N m or N: by virtual work. Servos
     /// that share a joint share its effort so that the squares of their torques are least together.
     ///
     /// # Errors
-    /// [`DriveInputError`] if there is not one number for each freedom, or one is NaN, infinite or above 1e6 in size.
+    /// [`DriveInputError`] if there is not one number for each dof, or one is NaN, infinite or above 1e6 in size.
     pub fn servo_torques(&self, efforts: &[f32]) -> Result<Numbers, DriveInputError> {
         check("joint efforts", self.joints.len(), efforts)?;
         Ok(match &self.tangent {
@@ -84,7 +84,7 @@ impl DrivePose<'_> {
         })
     }
 
-    /// Efforts at the joints' freedoms, N m or N, of torques of the servos' shafts, N m. Of mimic joints, whose efforts
+    /// Efforts at the joints' dofs, N m or N, of torques of the servos' shafts, N m. Of mimic joints, whose efforts
     /// one servo cannot tell apart, those that do the same work.
     ///
     /// # Errors
@@ -100,22 +100,22 @@ impl DrivePose<'_> {
         })
     }
 
-    /// What inertias of the servos' rotors, kg m² at their shafts, add to the inertia of each freedom, kg m² or kg.
+    /// What inertias of the servos' rotors, kg m² at their shafts, add to the inertia of each dof, kg m² or kg.
     /// Viscous frictions of servos become those of joints in the same way.
     ///
-    /// It is the diagonal of `G⁺ᵀ J G⁺`: what is left out, the coupling of freedoms through unlike servos, has no place
-    /// in a joint's own inertia. Freedoms that outnumber their servos (mimic joints) cannot move apart, so that the
+    /// It is the diagonal of `G⁺ᵀ J G⁺`: what is left out, the coupling of dofs through unlike servos, has no place
+    /// in a joint's own inertia. Dofs that outnumber their servos (mimic joints) cannot move apart, so that the
     /// coupling is added to each: then the kinetic energy of one servo is the true one.
     ///
     /// # Errors
     /// [`DriveInputError`] if there is not one number for each servo, or one is NaN, infinite or above 1e6 in size.
     pub fn reflected_to_joints(&self, per_servo: &[f32]) -> Result<Numbers, DriveInputError> {
         check("rotor inertias", self.servos.len(), per_servo)?;
-        // Motion of each servo for a unit motion of each freedom, and how far each freedom goes with its servos.
+        // Motion of each servo for a unit motion of each dof, and how far each dof goes with its servos.
         let mut motions = heapless::Vec::<Numbers, { super::MOST }>::new();
-        for freedom in 0..self.joints.len() {
-            // There is room: freedoms are counted.
-            let _ = motions.push(self.servo_velocities(&self.unit(freedom))?);
+        for dof in 0..self.joints.len() {
+            // There is room: dofs are counted.
+            let _ = motions.push(self.servo_velocities(&self.unit(dof))?);
         }
         let mimic = self.joints.len() > self.servos.len();
         let sizes = match &self.tangent {
@@ -125,16 +125,15 @@ impl DrivePose<'_> {
         let energy = |a: &[f32], b: &[f32]| -> f32 {
             per_servo.iter().zip(a.iter().zip(b)).map(|(inertia, (a, b))| inertia * a * b).sum()
         };
-        Ok(collect(motions.iter().zip(&sizes).enumerate().map(|(freedom, (own, size))| {
-            let others =
-                motions.iter().zip(&sizes).enumerate().filter(|(other, _)| *other != freedom);
+        Ok(collect(motions.iter().zip(&sizes).enumerate().map(|(dof, (own, size))| {
+            let others = motions.iter().zip(&sizes).enumerate().filter(|(other, _)| *other != dof);
             let coupling: f32 =
                 others.map(|(_, (motion, far))| energy(own, motion).abs() * far / size).sum();
             energy(own, own) + if mimic { coupling } else { 0.0 }
         })))
     }
 
-    fn unit(&self, freedom: usize) -> Numbers {
-        collect((0..self.joints.len()).map(|other| if other == freedom { 1.0 } else { 0.0 }))
+    fn unit(&self, dof: usize) -> Numbers {
+        collect((0..self.joints.len()).map(|other| if other == dof { 1.0 } else { 0.0 }))
     }
 }

@@ -137,7 +137,7 @@ fn tell_unread(root: Node<'_, '_>, notes: &mut Notes) {
     }
 }
 
-/// The joint of a name, if it has one freedom.
+/// The joint of a name, if it has one dof.
 fn single<'a>(
     description: &'a mut Description,
     name: &str,

@@ -88,7 +88,7 @@ fn limit(
                         [[1], [factor]]",
             );
         }
-        _ => return Err("only joints of one freedom follow each other in a rig"),
+        _ => return Err("only joints of one dof follow each other in a rig"),
     };
     if tie.multiplier.abs() <= 0.0 {
         return Err(

@@ -1,7 +1,7 @@
 //! The bodies and joints of a rig by index: a tree in regular numbering, f64, fixed joints merged.
 
-mod freedom;
 mod inverse_dynamics;
+mod joint_model;
 mod kinematics;
 mod pose;
 
@@ -10,8 +10,8 @@ use sinew_core::{Inertia, RotationalInertia, Transform, Tree, TreeError};
 
 use crate::number::single;
 
-pub use freedom::Freedom;
 pub use inverse_dynamics::{InverseDynamics, LANES};
+pub use joint_model::JointModel;
 pub use pose::Pose;
 
 /// The most bodies of a rig, those on fixed joints not counted: what `sinew-core` holds on any machine.
@@ -54,8 +54,8 @@ pub struct Link {
     pub joint_name: String,
     /// Index of the parent body; `None` of the base, whose parent is the world.
     pub parent: Option<usize>,
-    /// What the joint leaves free. The base's is [`Freedom::Fixed`], or [`Freedom::Free`] if it is driven.
-    pub joint: Freedom,
+    /// What the joint leaves free. The base's is [`JointModel::Fixed`], or [`JointModel::Free`] if it is driven.
+    pub joint: JointModel,
     /// Position of the joint in the parent's frame, m.
     pub position_m: DVec3,
     /// Rotation of the joint frame in the parent's frame, unit.
@@ -68,11 +68,11 @@ pub struct Link {
     pub inertia_kg_m2: DMat3,
     /// The bodies on fixed joints that this one carries; their mass is in the numbers above.
     pub merged: Vec<MergedBody>,
-    /// What rotors add to the inertia of each freedom: kg m², or kg of a slide.
+    /// What rotors add to the inertia of each dof: kg m², or kg of a slide.
     pub rotor_inertia: f64,
-    /// Coulomb friction of each freedom: N m, or N.
+    /// Coulomb friction of each dof: N m, or N.
     pub friction: f64,
-    /// Viscous friction of each freedom: N m s, or N s/m.
+    /// Viscous friction of each dof: N m s, or N s/m.
     pub damping: f64,
     /// Least and most position of each axis, rad or m; empty if there is no limit. Of a spherical joint `[0, most]`.
     pub ranges: Vec<[f64; 2]>,
@@ -121,9 +121,9 @@ impl Mechanism {
 
     /// Names of the degrees of freedom in the order of `qd` and of efforts: the joint's name if it has one, else
     /// `NAME.0`, `NAME.1`, ...
-    pub fn freedom_names(&self) -> Vec<String> {
+    pub fn dof_names(&self) -> Vec<String> {
         let of_link = |link: &Link| {
-            let count = link.joint.kind().degrees_of_freedom();
+            let count = link.joint.kind().dof_count();
             let name = link.joint_name.clone();
             (0..count).map(move |k| if count == 1 { name.clone() } else { format!("{name}.{k}") })
         };
@@ -139,7 +139,7 @@ impl Mechanism {
 impl Link {
     /// A body without a name and without mass, on a joint in its parent's axes that has no range, limit, friction or
     /// rotor; its home is where nothing has moved.
-    pub fn on(parent: Option<usize>, joint: Freedom, position_m: DVec3) -> Self {
+    pub fn on(parent: Option<usize>, joint: JointModel, position_m: DVec3) -> Self {
         Self {
             name: String::new(),
             joint_name: String::new(),

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::{FreedomReview, Review, Voltage};
-use crate::mechanism::{Freedom, GRAVITY_M_S2, Mechanism};
+use super::{DofReview, Review, Voltage};
+use crate::mechanism::{GRAVITY_M_S2, JointModel, Mechanism};
 
 /// How bad it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -58,9 +58,9 @@ pub(super) fn findings(mechanism: &Mechanism, review: &Review) -> Vec<Finding> {
         found.push(Finding { severity, about, text });
     };
     let lift_nm = review.mass_kg * GRAVITY_M_S2.length() * super::reach_m(mechanism, 0);
-    for freedom in &review.by_freedom {
-        for (severity, text) in of_freedom(freedom, lift_nm) {
-            add(severity, format!("joint {}", freedom.name), text);
+    for dof in &review.by_dof {
+        for (severity, text) in of_dof(dof, lift_nm) {
+            add(severity, format!("joint {}", dof.name), text);
         }
     }
     of_bodies(mechanism, &mut add);
@@ -81,11 +81,11 @@ pub(super) fn findings(mechanism: &Mechanism, review: &Review) -> Vec<Finding> {
 }
 
 /// `lift_nm`: what would lift the whole rig at its full reach.
-fn of_freedom(freedom: &FreedomReview, lift_nm: f64) -> Vec<(Severity, String)> {
+fn of_dof(dof: &DofReview, lift_nm: f64) -> Vec<(Severity, String)> {
     let mut found = Vec::new();
-    let unit = if freedom.slides { "N" } else { "N m" };
-    let asked = freedom.gravity_effort;
-    if let Some(servo) = &freedom.servo {
+    let unit = if dof.slides { "N" } else { "N m" };
+    let asked = dof.gravity_effort;
+    if let Some(servo) = &dof.servo {
         let names = servo.servos.join(", ");
         if asked > servo.stall {
             found.push((
@@ -106,7 +106,7 @@ fn of_freedom(freedom: &FreedomReview, lift_nm: f64) -> Vec<(Severity, String)> 
                 ),
             ));
         }
-        if let Some(speed) = freedom.speed_limit
+        if let Some(speed) = dof.speed_limit
             && speed > servo.no_load_speed
         {
             found.push((
@@ -117,13 +117,13 @@ fn of_freedom(freedom: &FreedomReview, lift_nm: f64) -> Vec<(Severity, String)> 
                 ),
             ));
         }
-    } else if let Some(limit) = freedom.effort_limit {
+    } else if let Some(limit) = dof.effort_limit {
         if asked > limit {
             found.push((
                 Severity::Fault,
                 format!("gravity asks for {asked:.3} {unit} in the worst pose, its limit is {limit:.3} {unit}"),
             ));
-        } else if !freedom.slides && lift_nm > 0.0 && limit > PLACEHOLDER * lift_nm {
+        } else if !dof.slides && lift_nm > 0.0 && limit > PLACEHOLDER * lift_nm {
             found.push((
                 Severity::Note,
                 format!(
@@ -133,7 +133,7 @@ fn of_freedom(freedom: &FreedomReview, lift_nm: f64) -> Vec<(Severity, String)> 
             ));
         }
     }
-    if let (Some(speed), false) = (freedom.speed_limit, freedom.slides)
+    if let (Some(speed), false) = (dof.speed_limit, dof.slides)
         && speed > FASTEST_RAD_S
     {
         found.push((
@@ -141,17 +141,17 @@ fn of_freedom(freedom: &FreedomReview, lift_nm: f64) -> Vec<(Severity, String)> 
             format!("its limit of speed is {speed:.0} rad/s, which no servo reaches: a placeholder of the file?"),
         ));
     }
-    if freedom.inertia_free <= 0.0 {
+    if dof.inertia_free <= 0.0 {
         found.push((Severity::Note, "it moves no mass: kinematic, without torque".to_owned()));
     }
-    if let Some(step_mm) = freedom.resolution_mm
+    if let Some(step_mm) = dof.resolution_mm
         && step_mm > VISIBLE_MM
     {
         found.push((
             Severity::Warning,
             format!(
                 "one step of its servo is up to {step_mm:.1} mm at {:.2} m: slow moves are seen as steps",
-                freedom.reach_m
+                dof.reach_m
             ),
         ));
     }
@@ -248,11 +248,11 @@ fn of_servos(
     review: &Review,
     add: &mut impl FnMut(Severity, String, String),
 ) {
-    if mechanism.bodies.first().is_some_and(|base| base.joint == Freedom::Free) {
+    if mechanism.bodies.first().is_some_and(|base| base.joint == JointModel::Free) {
         add(
             Severity::Note,
             "base".to_owned(),
-            "a drive of six freedoms moves it: nobody balances the rig".to_owned(),
+            "a drive of six dofs moves it: nobody balances the rig".to_owned(),
         );
     }
     let Some(current) = review.current else {
@@ -264,20 +264,15 @@ fn of_servos(
         return;
     };
     let missing: Vec<&str> = review
-        .by_freedom
+        .by_dof
         .iter()
-        .filter(|freedom| freedom.servo.is_none())
-        .map(|freedom| freedom.name.as_str())
+        .filter(|dof| dof.servo.is_none())
+        .map(|dof| dof.name.as_str())
         .collect();
     if !missing.is_empty() {
         add(Severity::Fault, "servos".to_owned(), format!("none moves {}", missing.join(", ")));
     }
-    if review
-        .by_freedom
-        .iter()
-        .filter_map(|freedom| freedom.servo.as_ref())
-        .any(|servo| servo.guessed)
-    {
+    if review.by_dof.iter().filter_map(|dof| dof.servo.as_ref()).any(|servo| servo.guessed) {
         add(
             Severity::Note,
             "servos".to_owned(),

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use glam::{DQuat, DVec3};
 
-use crate::mechanism::{Freedom, GRAVITY_M_S2, Mechanism};
+use crate::mechanism::{GRAVITY_M_S2, JointModel, Mechanism};
 
 /// Starts of the search: the home pose, and poses spread over the ranges.
 const STARTS: u32 = 9;
@@ -16,7 +16,7 @@ const SWEEPS: usize = 12;
 /// Turns of a ball joint that are tried about one axis.
 const TURNS: u32 = 24;
 
-/// The most that gravity asks of one freedom.
+/// The most that gravity asks of one dof.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorstLoad {
     /// What the drive must give to hold the pose, N m or N; without its sign.
@@ -25,7 +25,7 @@ pub struct WorstLoad {
     pub q: Vec<f64>,
 }
 
-/// What the drive of freedom `axis` of joint `joint` gives to hold the pose `q` against gravity: N m, or N of a slide.
+/// What the drive of dof `axis` of joint `joint` gives to hold the pose `q` against gravity: N m, or N of a slide.
 /// O(n).
 pub fn holding_effort(mechanism: &Mechanism, q: &[f64], joint: usize, axis: usize) -> f64 {
     let poses = mechanism.poses(q);
@@ -51,7 +51,7 @@ pub fn holding_effort(mechanism: &Mechanism, q: &[f64], joint: usize, axis: usiz
     }
 }
 
-/// The worst pose for one freedom, within the ranges of all joints.
+/// The worst pose for one dof, within the ranges of all joints.
 ///
 /// A search: one coordinate after the other is brought to where the effort is largest. That is exact for each, since
 /// the effort is a sine of every angle and linear in every way. From several starts, so the result is at most a little
@@ -118,9 +118,9 @@ impl Search<'_> {
             return;
         };
         match link.joint {
-            Freedom::Fixed | Freedom::Free => {}
-            Freedom::Spherical => self.turn_ball(range, link.ranges.first()),
-            Freedom::Revolute(_) | Freedom::Universal(_) => {
+            JointModel::Fixed | JointModel::Free => {}
+            JointModel::Spherical => self.turn_ball(range, link.ranges.first()),
+            JointModel::Revolute(_) | JointModel::Universal(_) => {
                 for (place, index) in range.enumerate() {
                     let ends = link.ranges.get(place).copied().unwrap_or([-PI, PI]);
                     for angle in self.angles(index, ends) {
@@ -128,7 +128,7 @@ impl Search<'_> {
                     }
                 }
             }
-            Freedom::Prismatic(_) => {
+            JointModel::Prismatic(_) => {
                 for end in link.ranges.first().copied().into_iter().flatten() {
                     self.try_value(range.start, end);
                 }
@@ -202,10 +202,10 @@ fn spread(mechanism: &Mechanism, number: u32) -> Vec<f64> {
             let share = place - libm::floor(place);
             q.push(match (link.joint, link.ranges.get(axis)) {
                 (
-                    Freedom::Revolute(_) | Freedom::Universal(_) | Freedom::Prismatic(_),
+                    JointModel::Revolute(_) | JointModel::Universal(_) | JointModel::Prismatic(_),
                     Some([least, most]),
                 ) => least + share * (most - least),
-                (Freedom::Revolute(_) | Freedom::Universal(_), None) => TAU * share - PI,
+                (JointModel::Revolute(_) | JointModel::Universal(_), None) => TAU * share - PI,
                 _ => *home,
             });
         }

@@ -16,7 +16,7 @@ use sinew_core::coordinates::CoordinatesError;
 use sinew_core::dynamics::{OuterJoints, ReflectedInertia, reflected_inertia};
 use sinew_core::{JointStates, TreeError};
 
-use crate::mechanism::{BODY_COUNT_MAX, Freedom, Link, Mechanism};
+use crate::mechanism::{BODY_COUNT_MAX, JointModel, Link, Mechanism};
 use crate::number::single;
 
 pub use finding::{Finding, KG_M2_PER_G_MM2, Severity};
@@ -33,7 +33,7 @@ pub struct Loop {
     pub latency_ticks: usize,
 }
 
-/// What the servos of one freedom can do there, through their drive.
+/// What the servos of one dof can do there, through their drive.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Capability {
     /// Names of the servos.
@@ -52,10 +52,10 @@ pub struct Capability {
     pub guessed: bool,
 }
 
-/// One freedom of one joint.
+/// One dof of one joint.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct FreedomReview {
-    /// Name of the freedom, see [`Mechanism::freedom_names`].
+pub struct DofReview {
+    /// Name of the dof, see [`Mechanism::dof_names`].
     pub name: String,
     /// Whether it slides: forces in N and ways in m, else torques in N m and angles in rad.
     pub slides: bool,
@@ -107,13 +107,15 @@ pub struct Review {
     /// Number of bodies, fixed joints merged; the base is one.
     pub bodies: usize,
     /// Number of degrees of freedom.
-    pub freedoms: usize,
+    #[serde(rename = "freedoms")]
+    pub dofs: usize,
     /// The loop that stiffness is judged for.
     pub control: Loop,
     /// Largest stable gain of a critically damped loop, 1/s²: stiffness over inertia.
     pub stable_kp_per_s2: f64,
-    /// By freedom, in the order of efforts.
-    pub by_freedom: Vec<FreedomReview>,
+    /// By dof, in the order of efforts.
+    #[serde(rename = "by_freedom")]
+    pub by_dof: Vec<DofReview>,
     /// If servos are known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub current: Option<CurrentReview>,
@@ -139,8 +141,8 @@ pub struct Voltage {
 /// What is known of the servos.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Servos {
-    /// By freedom; `None` where no servo moves it.
-    pub by_freedom: Vec<Option<Capability>>,
+    /// By dof; `None` where no servo moves it.
+    pub by_dof: Vec<Option<Capability>>,
     /// Where all stall, A.
     pub stall_current_a: f64,
     /// What the supply gives, A.
@@ -158,24 +160,24 @@ impl Review {
         let tree = mechanism.tree::<BODY_COUNT_MAX>()?;
         let home: Vec<f32> = mechanism.home().into_iter().map(single).collect();
         let mut pose = JointStates::rest(&tree);
-        let still = vec![0.0; tree.degrees_of_freedom()];
+        let still = vec![0.0; tree.dof_count()];
         pose.set_coordinates(&tree, &home, &still)?;
         let [locked, free] = [OuterJoints::Locked, OuterJoints::Free]
             .map(|outer| reflected_inertia(&tree, &pose, outer));
         let omega = largest_stable_angle(control.latency_ticks) * control.rate_hz;
-        let mut names = mechanism.freedom_names().into_iter();
-        let mut capabilities = servos.by_freedom.iter().cloned();
-        let mut by_freedom = Vec::new();
+        let mut names = mechanism.dof_names().into_iter();
+        let mut capabilities = servos.by_dof.iter().cloned();
+        let mut by_dof = Vec::new();
         for (joint, link) in mechanism.bodies.iter().enumerate() {
             let [locked, free] =
                 [&locked, &free].map(|all| all.get(joint).copied().unwrap_or_default());
-            for axis in 0..link.joint.kind().degrees_of_freedom() {
+            for axis in 0..link.joint.kind().dof_count() {
                 let servo = capabilities.next().flatten();
                 let worst = worst_load(mechanism, joint, axis);
                 let inertia_free = along(&free, link, axis);
                 let reach_m = reach_m(mechanism, joint);
                 let slides = slides(link, axis);
-                by_freedom.push(FreedomReview {
+                by_dof.push(DofReview {
                     name: names.next().unwrap_or_default(),
                     slides,
                     gravity_effort: worst.effort,
@@ -194,9 +196,9 @@ impl Review {
                 });
             }
         }
-        let known = by_freedom.iter().any(|freedom| freedom.servo.is_some());
+        let known = by_dof.iter().any(|dof| dof.servo.is_some());
         let current = known.then(|| CurrentReview {
-            holding_a: by_freedom.iter().filter_map(holding_current_a).sum(),
+            holding_a: by_dof.iter().filter_map(holding_current_a).sum(),
             stall_a: servos.stall_current_a,
             supply_a: servos.supply_a,
         });
@@ -204,10 +206,10 @@ impl Review {
         let mut review = Self {
             mass_kg: mechanism.bodies.iter().map(|link| link.mass_kg).sum(),
             bodies: mechanism.bodies.len(),
-            freedoms: by_freedom.len(),
+            dofs: by_dof.len(),
             control,
             stable_kp_per_s2: omega * omega,
-            by_freedom,
+            by_dof,
             current,
             voltages,
             findings: Vec::new(),
@@ -228,10 +230,10 @@ pub enum ReviewError {
     Home(#[from] CoordinatesError),
 }
 
-fn holding_current_a(freedom: &FreedomReview) -> Option<f64> {
+fn holding_current_a(dof: &DofReview) -> Option<f64> {
     // No servo takes more than what it stalls with.
-    let held = |stall: f64| freedom.gravity_effort.min(stall);
-    freedom.servo.as_ref().map(|servo| servo.current_per_effort * held(servo.stall))
+    let held = |stall: f64| dof.gravity_effort.min(stall);
+    dof.servo.as_ref().map(|servo| servo.current_per_effort * held(servo.stall))
 }
 
 fn finite(limit: f64) -> Option<f64> {
@@ -240,13 +242,13 @@ fn finite(limit: f64) -> Option<f64> {
 
 fn slides(link: &Link, axis: usize) -> bool {
     match link.joint {
-        Freedom::Prismatic(_) => true,
-        Freedom::Free => axis >= 3,
+        JointModel::Prismatic(_) => true,
+        JointModel::Free => axis >= 3,
         _ => false,
     }
 }
 
-/// Inertia along one freedom, in the home pose.
+/// Inertia along one dof, in the home pose.
 fn along(inertia: &ReflectedInertia, link: &Link, axis: usize) -> f64 {
     if slides(link, axis) {
         return f64::from(inertia.linear_kg);

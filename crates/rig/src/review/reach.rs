@@ -1,6 +1,6 @@
 //! How far what hangs on a joint can be from it.
 
-use crate::mechanism::{Freedom, Mechanism};
+use crate::mechanism::{JointModel, Mechanism};
 
 /// The farthest that a joint or a centre of mass beyond joint `joint` can be from it, m: the links between, end to end.
 /// An upper bound, whatever the pose; slides at the far end of their range.
@@ -27,7 +27,7 @@ pub fn reach_m(mechanism: &Mechanism, joint: usize) -> f64 {
 
 fn slide_m(link: &crate::mechanism::Link) -> f64 {
     match (link.joint, link.ranges.first()) {
-        (Freedom::Prismatic(_), Some([least, most])) => least.abs().max(most.abs()),
+        (JointModel::Prismatic(_), Some([least, most])) => least.abs().max(most.abs()),
         _ => 0.0,
     }
 }

@@ -6,14 +6,14 @@ use super::{Capability, Servos, Voltage};
 use crate::actuation::{Actuation, DriveOf};
 use crate::description::{Description, DescriptionError, ServoModel};
 use crate::drive::{DriveInputError, DrivePose};
-use crate::mechanism::{Freedom, Link, Mechanism};
+use crate::mechanism::{JointModel, Link, Mechanism};
 use crate::number::single;
 
 /// Poses over the range of a joint at which a curve or a four-bar is looked at.
 const POSES: usize = 33;
 
 impl Servos {
-    /// Of a rig, by freedom of its mechanism: at the weakest and at the slowest pose of each joint's range.
+    /// Of a rig, by dof of its mechanism: at the weakest and at the slowest pose of each joint's range.
     ///
     /// # Errors
     /// [`DescriptionError`] if a servo or a drive cannot be.
@@ -34,16 +34,16 @@ impl Servos {
             let Ok(all) = capabilities(rig, &actuation, &models, drive, &joints) else { continue };
             let mut all = all.into_iter();
             for joint in &joints {
-                let count = joint.joint.kind().degrees_of_freedom();
+                let count = joint.joint.kind().dof_count();
                 by_joint.insert(&joint.joint_name, all.by_ref().take(count).map(Some).collect());
             }
         }
         let of_link = |link: &Link| {
-            let none = || vec![None; link.joint.kind().degrees_of_freedom()];
+            let none = || vec![None; link.joint.kind().dof_count()];
             by_joint.remove(link.joint_name.as_str()).unwrap_or_else(none)
         };
         Ok(Self {
-            by_freedom: mechanism.bodies.iter().flat_map(of_link).collect(),
+            by_dof: mechanism.bodies.iter().flat_map(of_link).collect(),
             stall_current_a: models.iter().map(|model| model.stall_current_a.value).sum(),
             supply_a: rig.supply.map(|supply| supply.current_a),
             voltages: voltages(rig),
@@ -70,7 +70,7 @@ fn voltages(rig: &Description) -> Vec<Voltage> {
     voltages
 }
 
-/// What the servos of one drive can do for each of its freedoms alone.
+/// What the servos of one drive can do for each of its dofs alone.
 fn capabilities(
     rig: &Description,
     actuation: &Actuation,
@@ -95,11 +95,11 @@ fn capabilities(
         current_per_effort: 0.0,
         guessed: servos.iter().any(|servo| servo.guessed),
     };
-    let mut all = vec![nameless; drive.drive.freedoms()];
+    let mut all = vec![nameless; drive.drive.dofs()];
     for q in poses(joints) {
         let pose = drive.drive.at_joints(&q)?;
-        for (freedom, capability) in all.iter_mut().enumerate() {
-            at_pose(&pose, freedom, &servos, capability)?;
+        for (dof, capability) in all.iter_mut().enumerate() {
+            at_pose(&pose, dof, &servos, capability)?;
         }
     }
     Ok(all)
@@ -140,11 +140,11 @@ impl Shaft {
 /// Takes what is least, or worst, at one pose.
 fn at_pose(
     pose: &DrivePose<'_>,
-    freedom: usize,
+    dof: usize,
     servos: &[Shaft],
     capability: &mut Capability,
 ) -> Result<(), DriveInputError> {
-    let alone = unit(pose.joints().len(), freedom);
+    let alone = unit(pose.joints().len(), dof);
     let asked: Vec<f64> = pose.servo_torques(&alone)?.iter().map(|x| f64::from(x.abs())).collect();
     let most = |of: fn(&Shaft) -> f64| {
         let shares = servos.iter().zip(&asked).filter(|(_, asked)| **asked > 0.0);
@@ -155,11 +155,11 @@ fn at_pose(
     let current: f64 =
         servos.iter().zip(&asked).map(|(servo, asked)| servo.current_a_per_nm * asked).sum();
     capability.current_per_effort = capability.current_per_effort.max(current);
-    // How far each servo alone moves the freedom; their speeds add up, since none is asked to stand.
+    // How far each servo alone moves the dof; their speeds add up, since none is asked to stand.
     let (mut speed, mut step) = (0.0, 0.0_f64);
     for (index, servo) in servos.iter().enumerate() {
         let moved = pose.joint_velocities(&unit(servos.len(), index))?;
-        let moved = moved.get(freedom).map_or(0.0, |moved| f64::from(moved.abs()));
+        let moved = moved.get(dof).map_or(0.0, |moved| f64::from(moved.abs()));
         speed += servo.speed_rad_s * moved;
         step = step.max(servo.resolution_rad * moved);
     }
@@ -173,18 +173,18 @@ fn unit(count: usize, of: usize) -> Vec<f32> {
 }
 
 /// Positions of a drive's joints: over the range of the first one's first axis, all others at home. Only curves and
-/// four-bars, which have one joint of one freedom, are not the same everywhere.
+/// four-bars, which have one joint of one dof, are not the same everywhere.
 fn poses(joints: &[&Link]) -> Vec<Vec<f32>> {
     let home: Vec<f32> = joints
         .iter()
         .flat_map(|link| match link.joint {
-            Freedom::Spherical => vec![0.0; 3],
+            JointModel::Spherical => vec![0.0; 3],
             _ => link.home.iter().map(|position| single(*position)).collect(),
         })
         .collect();
-    let one_freedom = matches!(joints, [link] if link.joint.kind().degrees_of_freedom() == 1);
+    let one_dof = matches!(joints, [link] if link.joint.kind().dof_count() == 1);
     match joints.first().and_then(|link| link.ranges.first()) {
-        Some([least, most]) if one_freedom => (0..POSES)
+        Some([least, most]) if one_dof => (0..POSES)
             .map(|pose| {
                 let share = pose as f64 / (POSES - 1) as f64;
                 vec![single(least + share * (most - least))]

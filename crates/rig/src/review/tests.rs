@@ -5,7 +5,7 @@ use super::*;
 use crate::mechanism::Link;
 
 /// A body of a kilogram of no size on a joint.
-fn link(parent: Option<usize>, joint: Freedom, position_m: DVec3, center_m: DVec3) -> Link {
+fn link(parent: Option<usize>, joint: JointModel, position_m: DVec3, center_m: DVec3) -> Link {
     Link {
         name: "body".into(),
         joint_name: "joint".into(),
@@ -17,10 +17,10 @@ fn link(parent: Option<usize>, joint: Freedom, position_m: DVec3, center_m: DVec
 }
 
 fn arm() -> Mechanism {
-    let hinge = Freedom::Revolute(DVec3::Z);
+    let hinge = JointModel::Revolute(DVec3::Z);
     Mechanism {
         bodies: vec![
-            link(None, Freedom::Fixed, DVec3::ZERO, DVec3::ZERO),
+            link(None, JointModel::Fixed, DVec3::ZERO, DVec3::ZERO),
             link(Some(0), hinge, DVec3::Y * 0.1, DVec3::Y * 0.2),
             link(Some(1), hinge, DVec3::Y * 0.4, DVec3::Y * 0.3),
         ],
@@ -52,7 +52,7 @@ fn ranges_are_kept() {
 #[test]
 fn a_slide_carries_what_is_on_it() {
     let mut lift = arm();
-    lift.bodies[1].joint = Freedom::Prismatic(DVec3::Y);
+    lift.bodies[1].joint = JointModel::Prismatic(DVec3::Y);
     assert!((worst_load(&lift, 1, 0).effort - 2.0 * 9.81).abs() < 1e-9);
 }
 
@@ -84,7 +84,7 @@ fn a_review_says_what_is_too_heavy() {
         guessed: false,
     };
     let servos = Servos {
-        by_freedom: vec![Some(capability(6.0)), Some(capability(20.0))],
+        by_dof: vec![Some(capability(6.0)), Some(capability(20.0))],
         stall_current_a: 3.0,
         supply_a: Some(2.0),
         voltages: Vec::new(),
@@ -97,7 +97,7 @@ fn a_review_says_what_is_too_heavy() {
     };
     // 8.8 N m on 6; holding takes 2 A/(N m) times both loads, of a supply of 2 A.
     assert_eq!(of(Severity::Fault), ["joint joint", "supply"], "{:?}", review.findings);
-    let [upper, lower] = &review.by_freedom[..] else { panic!("{review:?}") };
+    let [upper, lower] = &review.by_dof[..] else { panic!("{review:?}") };
     // About the shoulder: 2 kg as points, and their own inertia.
     assert!((upper.inertia - (0.2_f64.powi(2) + 0.7_f64.powi(2) + 2e-3)).abs() < 1e-6);
     assert!(upper.inertia_free < upper.inertia && lower.inertia > 0.0);
@@ -113,7 +113,7 @@ fn units_are_doubted_where_others_explain_the_number() {
         arm.bodies[2].inertia_kg_m2 = DMat3::from_diagonal(DVec3::splat(moment));
         let control = Loop { rate_hz: 500.0, latency_ticks: 1 };
         let servos = Servos {
-            by_freedom: vec![None, None],
+            by_dof: vec![None, None],
             stall_current_a: 0.0,
             supply_a: None,
             voltages: Vec::new(),
@@ -142,9 +142,9 @@ proptest! {
         ),
         poses in prop::collection::vec(prop::collection::vec(0.0..1.0_f64, 6), 200),
     ) {
-        let mut bodies = vec![link(None, Freedom::Fixed, DVec3::ZERO, DVec3::ZERO)];
+        let mut bodies = vec![link(None, JointModel::Fixed, DVec3::ZERO, DVec3::ZERO)];
         for (index, (axis, position, center, least, most, parent)) in joints.into_iter().enumerate() {
-            let hinge = Freedom::Revolute(DVec3::AXES[axis]);
+            let hinge = JointModel::Revolute(DVec3::AXES[axis]);
             let mut next = link(Some(index.saturating_sub(parent / 4)), hinge, position.into(), center.into());
             next.ranges = vec![[least, most]];
             bodies.push(next);

@@ -201,15 +201,15 @@ fn a_baked_rig_is_the_described_one() {
     assert!(
         (placement.rotation.x - 0.6).abs() < 1e-6 && (placement.translation_m.y - 1.0).abs() < 1e-6
     );
-    let [ball, .., jaw, lid] = rig.freedoms() else { panic!("{:?}", rig.freedoms()) };
+    let [ball, .., jaw, lid] = rig.dofs() else { panic!("{:?}", rig.dofs()) };
     assert!(ball.range[0] >= 0.0 && (ball.range[1] - 60_f32.to_radians()).abs() < 1e-6);
     assert!((jaw.effort - 0.3).abs() < 1e-7 && lid.effort > jaw.effort, "{jaw:?} {lid:?}");
-    let knuckle = rig.freedoms()[5];
+    let knuckle = rig.dofs()[5];
     assert!((knuckle.home - 10_f32.to_radians()).abs() < 1e-6, "{knuckle:?}");
     assert!((knuckle.speed - 90_f32.to_radians()).abs() < 1e-5, "{knuckle:?}");
-    assert!((rig.freedoms()[6].home - 0.01).abs() < 1e-8);
-    assert_eq!((rig.limits()[0].freedom, rig.limits()[0].other), (7, 8));
-    assert_eq!(rig.drives()[2].freedoms, [5, 6]);
+    assert!((rig.dofs()[6].home - 0.01).abs() < 1e-8);
+    assert_eq!((rig.limits()[0].dof, rig.limits()[0].other), (7, 8));
+    assert_eq!(rig.drives()[2].dofs, [5, 6]);
     assert!(matches!(&rig.drives()[0].drive, Drive::Matrix(matrix) if matrix.is_ball()));
     assert_eq!(
         rig.servos().iter().map(|servo| servo.bus).collect::<Vec<_>>(),
@@ -224,8 +224,8 @@ fn what_a_board_does_not_hold_is_refused_by_number() {
     let mechanism = rig.mechanism().unwrap();
     let bytes = encoded(&baked());
     macro_rules! refused {
-        ($bodies:literal, $freedoms:literal, $servos:literal) => {{
-            type Small = BoardRig<$bodies, $freedoms, $servos>;
+        ($bodies:literal, $dofs:literal, $servos:literal) => {{
+            type Small = BoardRig<$bodies, $dofs, $servos>;
             let baking = Small::bake(&rig, &mechanism).unwrap_err().to_string();
             assert_eq!(Small::decode(&bytes).unwrap_err().to_string(), baking);
             baking
@@ -262,31 +262,26 @@ fn damaged_bytes_are_refused_wherever_they_are() {
 /// What must hold of every rig that was decoded, whoever made the bytes.
 fn check_invariants(rig: &Board) {
     let finite = |numbers: &[f32]| numbers.iter().all(|number| number.is_finite());
-    assert_eq!(rig.tree().degrees_of_freedom(), rig.freedoms().len());
-    for freedom in rig.freedoms() {
-        assert!(freedom.range[0] <= freedom.range[1] && freedom.home.is_finite());
-        assert!(freedom.speed >= 0.0 && freedom.acceleration >= 0.0 && freedom.effort >= 0.0);
+    assert_eq!(rig.tree().dof_count(), rig.dofs().len());
+    for dof in rig.dofs() {
+        assert!(dof.range[0] <= dof.range[1] && dof.home.is_finite());
+        assert!(dof.speed >= 0.0 && dof.acceleration >= 0.0 && dof.effort >= 0.0);
     }
     for limit in rig.limits() {
+        assert!(rig.dofs().get(usize::from(limit.dof)).is_some() && limit.dof != limit.other);
         assert!(
-            rig.freedoms().get(usize::from(limit.freedom)).is_some()
-                && limit.freedom != limit.other
-        );
-        assert!(
-            rig.freedoms().get(usize::from(limit.other)).is_some()
-                && limit.range[0] <= limit.range[1]
+            rig.dofs().get(usize::from(limit.other)).is_some() && limit.range[0] <= limit.range[1]
         );
     }
     let mut taken = Vec::new();
     for of in rig.drives() {
-        assert_eq!((of.drive.freedoms(), of.drive.servos()), (of.freedoms.len(), of.servos.len()));
-        assert!(of.freedoms.iter().all(|freedom| usize::from(*freedom) < rig.freedoms().len()));
+        assert_eq!((of.drive.dofs(), of.drive.servos()), (of.dofs.len(), of.servos.len()));
+        assert!(of.dofs.iter().all(|dof| usize::from(*dof) < rig.dofs().len()));
         for servo in &of.servos {
             assert!(usize::from(*servo) < rig.servos().len() && !taken.contains(servo));
             taken.push(*servo);
         }
-        let home: Vec<f32> =
-            of.freedoms.iter().map(|freedom| rig.freedoms()[usize::from(*freedom)].home).collect();
+        let home: Vec<f32> = of.dofs.iter().map(|dof| rig.dofs()[usize::from(*dof)].home).collect();
         // A home beyond 1e6 is refused by the drive; what it takes gives numbers.
         if let Ok(pose) = of.drive.at_joints(&home) {
             let ones = vec![1.0; of.servos.len()];
@@ -339,7 +334,7 @@ proptest! {
             let again = Board::decode(&encoded(&rig)).unwrap();
             // Rotations and axes are made unit on the way in, which may change their last bits; all else is the same.
             prop_assert_eq!(again.tree().len(), rig.tree().len());
-            prop_assert_eq!((again.freedoms(), again.limits()), (rig.freedoms(), rig.limits()));
+            prop_assert_eq!((again.dofs(), again.limits()), (rig.dofs(), rig.limits()));
             prop_assert_eq!((again.drives(), again.servos()), (rig.drives(), rig.servos()));
         }
     }

@@ -43,16 +43,11 @@ fn numbers(count: usize) -> impl Strategy<Value = Vec<f32>> {
 /// Positions, velocities and efforts.
 type Side = [Vec<f32>; 3];
 
-/// A random matrix, with positions, velocities and efforts for its freedoms and servos.
+/// A random matrix, with positions, velocities and efforts for its dofs and servos.
 fn matrices() -> impl Strategy<Value = (Vec<Vec<f32>>, Vec<f32>, Side, Side)> {
-    (1..=4_usize, 1..=4_usize).prop_flat_map(|(freedoms, servos)| {
+    (1..=4_usize, 1..=4_usize).prop_flat_map(|(dofs, servos)| {
         let sides = |count| [numbers(count), numbers(count), numbers(count)];
-        (
-            prop::collection::vec(numbers(servos), freedoms),
-            numbers(freedoms),
-            sides(freedoms),
-            sides(servos),
-        )
+        (prop::collection::vec(numbers(servos), dofs), numbers(dofs), sides(dofs), sides(servos))
     })
 }
 
@@ -65,8 +60,8 @@ proptest! {
             Err(DriveError::Singular { .. }) => return Ok(()),
             made => Drive::from(made.unwrap()),
         };
-        let (freedoms, servos) = (matrix.freedoms(), matrix.servos());
-        if freedoms >= servos {
+        let (dofs, servos) = (matrix.dofs(), matrix.servos());
+        if dofs >= servos {
             let pose = matrix.at_servos(&s).unwrap();
             assert_near(matrix.at_joints(pose.joints()).unwrap().servos(), &s, THERE_AND_BACK);
             let moved = pose.joint_velocities(&sd).unwrap();
@@ -75,7 +70,7 @@ proptest! {
             assert_same_power((&given, &moved), (&torque, &sd));
             assert_same_power((&effort, &moved), (&pose.servo_torques(&effort).unwrap(), &sd));
         }
-        if freedoms <= servos {
+        if dofs <= servos {
             let pose = matrix.at_joints(&q).unwrap();
             assert_near(matrix.at_servos(pose.servos()).unwrap().joints(), &q, THERE_AND_BACK);
             let moved = pose.servo_velocities(&qd).unwrap();
@@ -335,7 +330,7 @@ fn drives_of_the_workshop() {
     let inertia = pose.reflected_to_joints(&[0.002]).unwrap();
     let energy: f32 = inertia.iter().zip(&speeds).map(|(i, v)| 0.5 * i * v * v).sum();
     assert!((energy - 0.5 * 0.002 * 4.0).abs() < 1e-8, "{energy}");
-    // A differential pair: each freedom has both rotors.
+    // A differential pair: each dof has both rotors.
     let pair = one(&[&[0.5, 0.5], &[0.5, -0.5]]);
     let pose = pair.at_joints(&[0.0, 0.0]).unwrap();
     assert_near(&pose.reflected_to_joints(&[0.002, 0.002]).unwrap(), &[0.004, 0.004], 1e-6);
@@ -377,7 +372,7 @@ fn singular_drives_are_refused_by_number() {
     assert!(Matrix::new(&[[0.001, 0.001], [0.5, -0.5]], &[]).is_ok());
     assert_eq!(
         refused(&[&[1.0], &[0.0]]),
-        "no servo moves freedom 1: the largest number of its row is 0; it must be at least 1e-6 in size"
+        "no servo moves dof 1: the largest number of its row is 0; it must be at least 1e-6 in size"
     );
     assert!(matches!(Matrix::new(&[[1.0, 0.0]], &[]), Err(DriveError::Idle { servo: 1, .. })));
     assert!(matches!(

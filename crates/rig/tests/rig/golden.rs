@@ -60,7 +60,7 @@ fn efforts(tree: &Tree<CAPACITY>, q: &[f32], qd: &[f32], qdd: &[f32]) -> Vec<f64
         &mut scratch,
         &mut wrenches,
     );
-    let mut efforts = vec![0.0; tree.degrees_of_freedom()];
+    let mut efforts = vec![0.0; tree.dof_count()];
     tree.efforts(states.as_slice(), &wrenches, &mut efforts).expect("slices that fit");
     efforts.into_iter().map(f64::from).collect()
 }
@@ -80,7 +80,7 @@ fn largest_error(golden: &Value) -> f64 {
     let repair = golden["repair_inertia"].as_bool().expect("a word");
     let mut mechanism: Mechanism =
         imported(file, repair).description.mechanism().expect("a mechanism");
-    let names = mechanism.freedom_names();
+    let names = mechanism.dof_names();
     let joints: Vec<&str> = golden["joints"]
         .as_array()
         .expect("a list")

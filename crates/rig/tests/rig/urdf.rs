@@ -184,7 +184,7 @@ fn a_mimic_joint_is_tied_by_a_limit_without_room() {
     assert_refused(&tied("revolute", "x"), "joint `k`: mimic: joint", "a joint of the file", "`x`");
     let ball = read(&tied("spherical", "j"));
     assert!(ball.description.limits.is_empty());
-    assert_noted(&ball, NoteKind::LeftOut, "joints of one freedom");
+    assert_noted(&ball, NoteKind::LeftOut, "joints of one dof");
 }
 
 #[test]

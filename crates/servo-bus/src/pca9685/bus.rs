@@ -5,7 +5,7 @@ use heapless::Vec;
 use super::register::{CHANNELS, OFF, PERIOD, channel};
 use super::setup::Prescale;
 use crate::servo_state::{check_finite, check_positive, round};
-use crate::settings::Demand;
+use crate::settings::ServoRequirements;
 use crate::sink::Sink;
 use crate::{
     Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
@@ -174,7 +174,7 @@ impl ServoBus for Bus {
     }
 
     /// Hobby servos have no registers.
-    fn compare(&mut self, _asked: Option<(usize, Demand)>) {}
+    fn compare(&mut self, _asked: Option<(usize, ServoRequirements)>) {}
 
     fn compared(&self) -> Compared {
         Compared::Nothing

@@ -3,7 +3,7 @@
 use sinew_servo_bus::dynamixel::table::{MODELS, Model, Table};
 use sinew_servo_bus::dynamixel::{self, Device};
 use sinew_servo_bus::feetech::{self, Family};
-use sinew_servo_bus::settings::{self, Demand, Mode, Setting};
+use sinew_servo_bus::settings::{self, Mode, ServoRequirements, Setting};
 use sinew_servo_bus::{
     BusDevice, Command, Compared, Difference, Line, Schedule, ServoBus, Timing, pca9685,
 };
@@ -11,7 +11,7 @@ use sinew_servo_bus::{
 const TIMING: Timing = Timing { baud: 1_000_000, return_delay_us: 2, turnaround_us: 5 };
 
 /// An XL330 as its kind has it, 100 degrees either way of the middle.
-const DEMAND: Demand = Demand {
+const DEMAND: ServoRequirements = ServoRequirements {
     mode: Mode::Position,
     range_rad: [std::f32::consts::PI - 1.75, std::f32::consts::PI + 1.75],
     torque_nm: 0.2,
@@ -53,7 +53,11 @@ fn tick<D: BusDevice>(
 }
 
 /// Ticks until it is known.
-fn compare<D: BusDevice>(bus: &mut impl ServoBus, device: &mut D, demand: Demand) -> Compared {
+fn compare<D: BusDevice>(
+    bus: &mut impl ServoBus,
+    device: &mut D,
+    demand: ServoRequirements,
+) -> Compared {
     bus.compare(Some((0, demand)));
     for _ in 0..40 {
         tick(bus, device, 3_000, |_| {});
@@ -126,7 +130,7 @@ fn every_register_of_a_dynamixel_is_compared() {
         }
         let others = [Mode::CurrentPosition, Mode::Current, Mode::Pwm];
         for mode in others {
-            let found = compare(&mut bus, &mut device, Demand { mode, ..DEMAND });
+            let found = compare(&mut bus, &mut device, ServoRequirements { mode, ..DEMAND });
             assert!(
                 matches!(found, Compared::Differs(Difference { address: 11, .. })),
                 "{found:?}"
@@ -270,12 +274,12 @@ fn limits_are_what_the_rig_says() {
     // A range that ends on a count ends there, whatever f32 makes of it; a whole turn is one count less.
     let right = std::f32::consts::FRAC_PI_2;
     let middle = std::f32::consts::PI;
-    let quarter = Demand { range_rad: [middle - right, middle + right], ..DEMAND };
+    let quarter = ServoRequirements { range_rad: [middle - right, middle + right], ..DEMAND };
     assert_eq!([48, 52].map(|at| raw(of("XL330-M288", quarter), at)), [3072, 1024]);
-    let whole = Demand { range_rad: [0.0, 2.0 * middle], ..DEMAND };
+    let whole = ServoRequirements { range_rad: [0.0, 2.0 * middle], ..DEMAND };
     assert_eq!([48, 52].map(|at| raw(of("XL330-M288", whole), at)), [4095, 0]);
     // All of its torque: as the factory has it. Where no current is measured, PWM is what limits.
-    let strong = Demand { torque_nm: 0.52, ..DEMAND };
+    let strong = ServoRequirements { torque_nm: 0.52, ..DEMAND };
     assert_eq!(raw(of("XL330-M288", strong), 38), 1750);
     assert_eq!(raw(of("XL430-W250", strong), 36), 885);
     assert_eq!(raw(of("XL430-W250", DEMAND), 36), 340);

@@ -9,7 +9,7 @@ use sinew_servo_bus::pca9685::Prescale;
 
 use super::{Bench, Chip, chip};
 use crate::device::Servo;
-use crate::line::Wired;
+use crate::line::LineDevice;
 use crate::load::Plant;
 use crate::wire;
 
@@ -86,7 +86,7 @@ impl<'m, P: Plant> Branch<'m, P> {
     }
 }
 
-impl<P: Plant> Wired for Branch<'_, P> {
+impl<P: Plant> LineDevice for Branch<'_, P> {
     fn now_ns(&self) -> u64 {
         self.bench.borrow().now_ns
     }

@@ -9,7 +9,7 @@ use sinew_servo_bus::{BusDevice, EncodeError, ServoBus};
 
 use crate::device::{LONGEST, STEP_S, Servo};
 use crate::fault::{Fault, FaultKind};
-use crate::line::Wired;
+use crate::line::LineDevice;
 use crate::load::{Plant, Shaft};
 use crate::model::Draw;
 use crate::supply::Supply;
@@ -265,7 +265,7 @@ impl<'m, P: Plant> Bench<'m, P> {
     }
 }
 
-impl<P: Plant> Wired for Bench<'_, P> {
+impl<P: Plant> LineDevice for Bench<'_, P> {
     fn now_ns(&self) -> u64 {
         self.now_ns
     }

@@ -2,7 +2,7 @@
 
 use sinew_servo_bus::dynamixel::hardware_error;
 
-use super::{Held, Profile, Sensed};
+use super::{Debounce, Profile, Sensed};
 use crate::model::Power;
 
 /// PWM counts of the whole supply.
@@ -68,8 +68,8 @@ pub struct Firmware {
     last_error: f64,
     was_on: bool,
     last_mode: i32,
-    overload: Held,
-    voltage: Held,
+    overload: Debounce,
+    voltage: Debounce,
 }
 
 impl Firmware {

@@ -2,7 +2,7 @@
 
 use sinew_servo_bus::feetech::status_bit;
 
-use super::{Held, Profile, Sensed};
+use super::{Debounce, Profile, Sensed};
 use crate::model::Power;
 
 /// Counts of a turn.
@@ -62,9 +62,9 @@ pub struct Firmware {
     /// Fastest speed of its trajectory, counts/s.
     speed_cap: f64,
     was_on: bool,
-    overload: Held,
-    current: Held,
-    voltage: Held,
+    overload: Debounce,
+    current: Debounce,
+    voltage: Debounce,
 }
 
 impl Firmware {
@@ -89,7 +89,7 @@ impl Firmware {
     /// A new goal ends an overload.
     pub fn take_goal(&mut self) {
         self.errors &= !status_bit::OVERLOAD;
-        self.overload = Held::default();
+        self.overload = Debounce::default();
     }
 
     /// Whether an error that unloads is there.

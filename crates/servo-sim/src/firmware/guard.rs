@@ -2,11 +2,11 @@
 
 /// How long something has lasted.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Held {
+pub struct Debounce {
     for_s: f64,
 }
 
-impl Held {
+impl Debounce {
     /// Time passes. Whether the condition has now lasted for so long.
     pub fn lasts(&mut self, condition: bool, dt_s: f64, long_s: f64) -> bool {
         self.for_s = if condition { self.for_s + dt_s } else { 0.0 };

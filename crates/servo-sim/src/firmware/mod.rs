@@ -9,7 +9,7 @@ mod guard;
 mod profile;
 pub mod pulse;
 
-pub use guard::Held;
+pub use guard::Debounce;
 pub use profile::Profile;
 
 /// What a servo knows of itself.

@@ -2,20 +2,20 @@
 
 use sinew_rig::actuation::DriveOf;
 use sinew_rig::drive::{Drive, DriveInputError, DrivePose, Numbers};
-use sinew_rig::mechanism::Freedom;
+use sinew_rig::mechanism::JointModel;
 use sinew_rig::servo::Servo;
 
 use super::mechanics::Mechanics;
 
 /// Joints that a drive moves, and its servos.
 ///
-/// A drive has as many ways to move as the fewer of its freedoms and servos: joints that share a servo go as it goes,
+/// A drive has as many ways to move as the fewer of its dofs and servos: joints that share a servo go as it goes,
 /// servos that share a joint go as that goes.
 #[derive(Debug, Clone)]
 pub(super) struct Driven {
     drive: Drive,
-    /// Freedoms of the mechanism.
-    pub(super) freedoms: Vec<usize>,
+    /// Dofs of the mechanism.
+    pub(super) dofs: Vec<usize>,
     /// Where their positions are in `q`; of a ball joint the first of four.
     coordinates: Vec<usize>,
     is_ball: bool,
@@ -27,8 +27,8 @@ pub(super) struct Driven {
     zeros_rad: Vec<f64>,
 }
 
-/// How a drive moves at one pose: for each of its ways the speeds of its freedoms, and of its servos.
-pub(super) struct Ways {
+/// How a drive moves at one pose: for each of its ways the speeds of its dofs, and of its servos.
+pub(super) struct DriveAxes {
     pub(super) joints: Vec<Vec<f64>>,
     pub(super) servos: Vec<Vec<f64>>,
 }
@@ -43,13 +43,13 @@ impl Driven {
         places: &[Option<usize>],
         benched: &[Option<(usize, f64)>],
     ) -> Option<Self> {
-        let (mut freedoms, mut coordinates, mut is_ball) = (Vec::new(), Vec::new(), false);
+        let (mut dofs, mut coordinates, mut is_ball) = (Vec::new(), Vec::new(), false);
         for joint in &of.joints {
             let body = places[*joint]?;
             let first = mechanics.places[body][1];
-            is_ball |= mechanics.mechanism.bodies[body].joint == Freedom::Spherical;
-            for (axis, freedom) in mechanics.freedoms_of(body).enumerate() {
-                freedoms.push(freedom);
+            is_ball |= mechanics.mechanism.bodies[body].joint == JointModel::Spherical;
+            for (axis, dof) in mechanics.dofs_of(body).enumerate() {
+                dofs.push(dof);
                 coordinates.push(first + axis);
             }
         }
@@ -58,7 +58,7 @@ impl Driven {
             of.servos.iter().map(|servo| benched[*servo]).collect::<Option<_>>()?;
         Some(Self {
             drive: of.drive.clone(),
-            freedoms,
+            dofs,
             coordinates,
             is_ball,
             gears: of.servos.iter().map(|servo| own(servo).gear.into()).collect(),
@@ -73,7 +73,7 @@ impl Driven {
     }
 
     pub(super) fn ways(&self) -> usize {
-        self.freedoms.len().min(self.servos.len())
+        self.dofs.len().min(self.servos.len())
     }
 
     /// Whether its ways are the same at all poses.
@@ -97,7 +97,7 @@ impl Driven {
 
     /// Puts joints where the servos can have them.
     pub(super) fn settle(&self, q: &mut [f64]) -> Result<(), DriveInputError> {
-        if self.freedoms.len() > self.servos.len() {
+        if self.dofs.len() > self.servos.len() {
             let shafts = Numbers::from_slice(self.at(q)?.servos()).unwrap_or_default();
             for (place, joint) in
                 self.coordinates.iter().zip(self.drive.at_servos(&shafts)?.joints())
@@ -117,10 +117,10 @@ impl Driven {
             .collect()
     }
 
-    pub(super) fn ways_at(&self, pose: &DrivePose<'_>) -> Result<Ways, DriveInputError> {
+    pub(super) fn ways_at(&self, pose: &DrivePose<'_>) -> Result<DriveAxes, DriveInputError> {
         let (mut joints, mut servos) = (Vec::new(), Vec::new());
         let count = self.ways();
-        let leads = self.freedoms.len() <= self.servos.len();
+        let leads = self.dofs.len() <= self.servos.len();
         for way in 0..count {
             let unit: Vec<f32> =
                 (0..count).map(|other| f32::from(u8::from(other == way))).collect();
@@ -133,7 +133,7 @@ impl Driven {
             let own = of_shafts.iter().zip(&self.gears);
             servos.push(own.map(|(speed, gear)| gear * f64::from(*speed)).collect());
         }
-        Ok(Ways { joints, servos })
+        Ok(DriveAxes { joints, servos })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{RigPlant, STOP_N_M};
 use crate::load::STOP_NM_RAD;
-use sinew_rig::mechanism::Freedom;
+use sinew_rig::mechanism::JointModel;
 
 /// Part of a stop's stiffness that a hand has.
 const FIRM: f64 = 0.25;
@@ -21,7 +21,7 @@ pub struct Hand {
 /// A hand, and the joint that it holds.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Holds {
-    pub(super) freedom: usize,
+    pub(super) dof: usize,
     coordinate: usize,
     stiffness: f64,
     hand: Hand,
@@ -30,7 +30,7 @@ pub(super) struct Holds {
 impl Holds {
     /// What it pushes with, and how that falls with speed.
     pub(super) fn push(&self, dt_s: f64, q: &[f64], qd: &[f64]) -> (f64, f64) {
-        let (at, speed) = (q[self.coordinate], qd[self.freedom]);
+        let (at, speed) = (q[self.coordinate], qd[self.dof]);
         let damping = self.stiffness * DAMPING_S;
         let slope = damping + self.stiffness * dt_s;
         let Hand { position, velocity } = self.hand;
@@ -39,21 +39,21 @@ impl Holds {
 }
 
 impl RigPlant {
-    /// A hand takes a joint's freedom, or leads it on; none lets go. Hands do not take ball joints: then nothing
+    /// A hand takes a joint's dof, or leads it on; none lets go. Hands do not take ball joints: then nothing
     /// happens, and it says so.
-    pub fn lead(&mut self, freedom: usize, hand: Option<Hand>) -> bool {
-        self.hands.retain(|holds| holds.freedom != freedom);
+    pub fn lead(&mut self, dof: usize, hand: Option<Hand>) -> bool {
+        self.hands.retain(|holds| holds.dof != dof);
         let bodies = &self.mechanics.mechanism.bodies;
-        let body = (0..bodies.len()).find(|at| self.mechanics.freedoms_of(*at).contains(&freedom));
+        let body = (0..bodies.len()).find(|at| self.mechanics.dofs_of(*at).contains(&dof));
         let Some(body) = body else { return false };
         let stiffness = match bodies[body].joint {
-            Freedom::Spherical | Freedom::Free | Freedom::Fixed => return false,
-            Freedom::Prismatic(_) => FIRM * STOP_N_M,
+            JointModel::Spherical | JointModel::Free | JointModel::Fixed => return false,
+            JointModel::Prismatic(_) => FIRM * STOP_N_M,
             _ => FIRM * STOP_NM_RAD,
         };
         let [first, coordinate] = self.mechanics.places[body];
-        let coordinate = coordinate + freedom - first;
-        self.hands.extend(hand.map(|hand| Holds { freedom, coordinate, stiffness, hand }));
+        let coordinate = coordinate + dof - first;
+        self.hands.extend(hand.map(|hand| Holds { dof, coordinate, stiffness, hand }));
         true
     }
 }

@@ -3,7 +3,7 @@
 
 use glam::{DMat3, DQuat, DVec3};
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::{Freedom, Pose};
+use sinew_rig::mechanism::{JointModel, Pose};
 
 /// A spatial vector: the part of turning, and that of the point at the world's origin.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -83,7 +83,7 @@ struct Moving {
 pub(super) struct Mechanics {
     pub(super) mechanism: Mechanism,
     gravity_m_s2: DVec3,
-    /// Of each body: where its freedoms and its coordinates begin.
+    /// Of each body: where its dofs and its coordinates begin.
     pub(super) places: Vec<[usize; 2]>,
     motions: Vec<Spatial>,
     bodies: Vec<Moving>,
@@ -94,41 +94,41 @@ pub(super) struct Mechanics {
 
 impl Mechanics {
     pub(super) fn new(mechanism: &Mechanism, gravity_m_s2: DVec3) -> Self {
-        let (mut places, mut freedoms, mut coordinates) = (Vec::new(), 0, 0);
+        let (mut places, mut dofs, mut coordinates) = (Vec::new(), 0, 0);
         for link in &mechanism.bodies {
-            places.push([freedoms, coordinates]);
-            freedoms += link.joint.kind().degrees_of_freedom();
+            places.push([dofs, coordinates]);
+            dofs += link.joint.kind().dof_count();
             coordinates += link.joint.kind().coordinate_count();
         }
         Self {
             mechanism: mechanism.clone(),
             gravity_m_s2,
             places,
-            motions: vec![Spatial::default(); freedoms],
+            motions: vec![Spatial::default(); dofs],
             bodies: vec![Moving::default(); mechanism.bodies.len()],
-            mass: vec![0.0; freedoms * freedoms],
-            bias: vec![0.0; freedoms],
+            mass: vec![0.0; dofs * dofs],
+            bias: vec![0.0; dofs],
         }
     }
 
-    pub(super) fn freedoms(&self) -> usize {
+    pub(super) fn dofs(&self) -> usize {
         self.bias.len()
     }
 
-    /// The freedoms of a body's joint.
-    pub(super) fn freedoms_of(&self, body: usize) -> std::ops::Range<usize> {
+    /// The dofs of a body's joint.
+    pub(super) fn dofs_of(&self, body: usize) -> std::ops::Range<usize> {
         let first = self.places[body][0];
-        first..first + self.mechanism.bodies[body].joint.kind().degrees_of_freedom()
+        first..first + self.mechanism.bodies[body].joint.kind().dof_count()
     }
 
     /// Element of the mass matrix, kg m², kg m or kg; without rotors.
     pub(super) fn mass(&self, row: usize, column: usize) -> f64 {
-        self.mass[row * self.freedoms() + column]
+        self.mass[row * self.dofs() + column]
     }
 
-    /// Effort that a freedom needs to move on without acceleration, N m or N: gravity, Coriolis, centrifugal.
-    pub(super) fn bias(&self, freedom: usize) -> f64 {
-        self.bias[freedom]
+    /// Effort that a dof needs to move on without acceleration, N m or N: gravity, Coriolis, centrifugal.
+    pub(super) fn bias(&self, dof: usize) -> f64 {
+        self.bias[dof]
     }
 
     /// Computes all at positions and speeds, as `sinew_core::coordinates` has them.
@@ -163,11 +163,11 @@ impl Mechanics {
             .map(|axis| Spatial { turn: DVec3::ZERO, slide: pose.rotation * axis });
         let first = self.places[index][0];
         let (mut joint, mut rest) = (Spatial::default(), Spatial::default());
-        for (freedom, motion) in (first..).zip(turns.chain(slides)) {
-            self.motions[freedom] = motion;
-            let own = motion.times(qd[freedom]);
+        for (dof, motion) in (first..).zip(turns.chain(slides)) {
+            self.motions[dof] = motion;
+            let own = motion.times(qd[dof]);
             // The second axis of a universal joint is carried by the first turn; all else is fixed in the body.
-            if matches!(link.joint, Freedom::Universal(_)) {
+            if matches!(link.joint, JointModel::Universal(_)) {
                 rest = rest.plus(joint.cross(own));
             }
             joint = joint.plus(own);
@@ -182,13 +182,13 @@ impl Mechanics {
     /// Efforts and the row of the mass matrix of a joint; passes on what hangs on it.
     fn inward(&mut self, index: usize) {
         let Moving { force, composite, .. } = self.bodies[index];
-        let size = self.freedoms();
-        for row in self.freedoms_of(index) {
+        let size = self.dofs();
+        for row in self.dofs_of(index) {
             self.bias[row] = self.motions[row].dot(force);
             let moved = composite.times(self.motions[row]);
             let mut body = Some(index);
             while let Some(at) = body {
-                for column in self.freedoms_of(at) {
+                for column in self.dofs_of(at) {
                     let element = self.motions[column].dot(moved);
                     self.mass[row * size + column] = element;
                     self.mass[column * size + row] = element;
@@ -227,19 +227,19 @@ fn inertia_of(link: &sinew_rig::mechanism::Link, pose: &Pose) -> SpatialInertia 
 
 /// Positions after a time at speeds.
 pub(super) fn advance(mechanics: &Mechanics, q: &mut [f64], qd: &[f64], dt_s: f64) {
-    for (link, [freedom, coordinate]) in mechanics.mechanism.bodies.iter().zip(&mechanics.places) {
-        let speeds = &qd[*freedom..];
+    for (link, [dof, coordinate]) in mechanics.mechanism.bodies.iter().zip(&mechanics.places) {
+        let speeds = &qd[*dof..];
         let own = &mut q[*coordinate..];
         match (link.joint, own, speeds) {
-            (Freedom::Spherical, [x, y, z, w, ..], [a, b, c, ..]) => {
+            (JointModel::Spherical, [x, y, z, w, ..], [a, b, c, ..]) => {
                 let turn = DQuat::from_scaled_axis(DVec3::new(*a, *b, *c) * dt_s);
                 let after = (DQuat::from_xyzw(*x, *y, *z, *w) * turn).normalize();
                 [*x, *y, *z, *w] = after.to_array();
             }
             // A base that drives about stands still.
-            (Freedom::Free | Freedom::Fixed, ..) => {}
+            (JointModel::Free | JointModel::Fixed, ..) => {}
             (_, own, speeds) => {
-                let count = link.joint.kind().degrees_of_freedom();
+                let count = link.joint.kind().dof_count();
                 for (q, qd) in own.iter_mut().zip(speeds).take(count) {
                     *q += dt_s * qd;
                 }

@@ -15,7 +15,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 use sinew_rig::drive::DriveInputError;
-use sinew_rig::mechanism::{Freedom, GRAVITY_M_S2};
+use sinew_rig::mechanism::{GRAVITY_M_S2, JointModel};
 use sinew_rig::{Description, Mechanism};
 
 use crate::load::{Arm, Plant, STOP_DAMPING_S, STOP_NM_RAD, Shaft};
@@ -47,7 +47,7 @@ pub struct RigPlant {
     q: Vec<f64>,
     qd: Vec<f64>,
     drives: Vec<Driven>,
-    /// By way to move: speeds of freedoms.
+    /// By way to move: speeds of dofs.
     joints: Vec<Vec<(usize, f64)>>,
     /// By way to move: speeds of servos.
     shafts: Vec<Vec<(usize, f64)>>,
@@ -56,7 +56,7 @@ pub struct RigPlant {
     speeds: Vec<f64>,
     /// By way to move: inertia beside that of the bodies.
     extra: Vec<f64>,
-    /// By freedom.
+    /// By dof.
     frictions: Vec<Friction>,
     ends: Vec<End>,
     hands: Vec<Holds>,
@@ -73,10 +73,10 @@ struct Friction {
     viscous: f64,
 }
 
-/// Ends of a freedom's range.
+/// Ends of a dof's range.
 #[derive(Debug, Clone, Copy)]
 struct End {
-    freedom: usize,
+    dof: usize,
     coordinate: usize,
     range: [f64; 2],
     stiffness: f64,
@@ -125,13 +125,13 @@ impl RigPlant {
             .collect();
         let mut plant = Self {
             q: mechanism.home(),
-            qd: vec![0.0; mechanics.freedoms()],
+            qd: vec![0.0; mechanics.dofs()],
             joints: Vec::new(),
             shafts: Vec::new(),
             places: Vec::new(),
             speeds: Vec::new(),
             extra: Vec::new(),
-            frictions: vec![Friction::default(); mechanics.freedoms()],
+            frictions: vec![Friction::default(); mechanics.dofs()],
             ends: Vec::new(),
             hands: Vec::new(),
             own: vec![Shaft::default(); servos.len()],
@@ -169,29 +169,29 @@ impl RigPlant {
     /// Its step, s: that of the servos.
     const STEP_S: f64 = crate::device::STEP_S;
 
-    /// Friction and ends of a joint; a way of its own for each freedom, if no servo moves it.
+    /// Friction and ends of a joint; a way of its own for each dof, if no servo moves it.
     fn take_joint(&mut self, description: &Description, joint: usize, body: usize, is_free: bool) {
         let described = &description.joints[joint];
         let link = &self.mechanics.mechanism.bodies[body];
         let stiffness = match link.joint {
-            Freedom::Free | Freedom::Fixed => return,
-            Freedom::Prismatic(_) => STOP_N_M,
+            JointModel::Free | JointModel::Fixed => return,
+            JointModel::Prismatic(_) => STOP_N_M,
             _ => STOP_NM_RAD,
         };
-        if link.joint != Freedom::Spherical {
+        if link.joint != JointModel::Spherical {
             let [first, coordinate] = self.mechanics.places[body];
             self.ends.extend(link.ranges.iter().enumerate().map(|(axis, range)| End {
-                freedom: first + axis,
+                dof: first + axis,
                 coordinate: coordinate + axis,
                 range: *range,
                 stiffness,
             }));
         }
-        for freedom in self.mechanics.freedoms_of(body) {
-            self.frictions[freedom] =
+        for dof in self.mechanics.dofs_of(body) {
+            self.frictions[dof] =
                 Friction { coulomb: described.friction, viscous: described.damping };
             if is_free {
-                self.joints.push(vec![(freedom, 1.0)]);
+                self.joints.push(vec![(dof, 1.0)]);
                 self.shafts.push(Vec::new());
             }
         }
@@ -206,7 +206,7 @@ impl RigPlant {
         };
         let own = ways.joints.iter().zip(&ways.servos);
         for (way, (joints, servos)) in self.places[drive].clone().zip(own) {
-            self.joints[way] = named(&of.freedoms, joints);
+            self.joints[way] = named(&of.dofs, joints);
             self.shafts[way] = named(&of.servos, servos);
         }
         Ok(())
@@ -227,9 +227,8 @@ impl RigPlant {
             let moved = self.inertia(way, way);
             let turns: f64 = self.shafts[way].iter().map(|(_, speed)| speed * speed).sum();
             let (rotor, least) = if self.shafts[way].is_empty() {
-                let body = (0..self.mechanics.mechanism.bodies.len()).find(|body| {
-                    self.mechanics.freedoms_of(*body).contains(&self.joints[way][0].0)
-                });
+                let body = (0..self.mechanics.mechanism.bodies.len())
+                    .find(|body| self.mechanics.dofs_of(*body).contains(&self.joints[way][0].0));
                 let rotor =
                     body.map_or(0.0, |at| self.mechanics.mechanism.bodies[at].rotor_inertia);
                 (rotor, LEAST_INERTIA)
@@ -256,7 +255,7 @@ impl RigPlant {
         &self.q
     }
 
-    /// Speeds of the freedoms, rad/s and m/s.
+    /// Speeds of the dofs, rad/s and m/s.
     pub fn qd(&self) -> &[f64] {
         &self.qd
     }
@@ -307,22 +306,22 @@ impl RigPlant {
                 *sum += share * force;
             }
         };
-        for (freedom, friction) in self.frictions.iter().enumerate() {
-            let speed = self.qd[freedom];
+        for (dof, friction) in self.frictions.iter().enumerate() {
+            let speed = self.qd[dof];
             let slope = friction.viscous + friction.coulomb / speed.abs().max(CREEP);
             if slope > 0.0 {
-                add(&along(&self.joints, freedom), -slope * speed, slope);
+                add(&along(&self.joints, dof), -slope * speed, slope);
             }
         }
         for end in &self.ends {
-            let (at, speed) = (self.q[end.coordinate], self.qd[end.freedom]);
+            let (at, speed) = (self.q[end.coordinate], self.qd[end.dof]);
             if let Some((force, slope)) = stop(dt_s, end.stiffness, end.range, at, speed) {
-                add(&along(&self.joints, end.freedom), force, slope);
+                add(&along(&self.joints, end.dof), force, slope);
             }
         }
         for hand in &self.hands {
             let (force, slope) = hand.push(dt_s, &self.q, &self.qd);
-            add(&along(&self.joints, hand.freedom), force, slope);
+            add(&along(&self.joints, hand.dof), force, slope);
         }
         for (servo, (shaft, range)) in self.own.iter().zip(&self.stops_rad).enumerate() {
             let (at, speed) = (shaft.position_rad, shaft.velocity_rad_s);
@@ -404,8 +403,8 @@ impl Plant for RigPlant {
             shaft.velocity_rad_s = 0.0;
         }
         for (way, speed) in self.speeds.iter().enumerate() {
-            for (freedom, share) in &self.joints[way] {
-                self.qd[*freedom] += share * speed;
+            for (dof, share) in &self.joints[way] {
+                self.qd[*dof] += share * speed;
             }
             for (servo, share) in &self.shafts[way] {
                 self.own[*servo].velocity_rad_s += share * speed;

@@ -60,11 +60,11 @@ impl GoldenBody {
     fn link(&self) -> Link {
         let axis = |index: usize| DVec3::from(self.axes[index]);
         let joint = match self.joint.as_str() {
-            "revolute" => Freedom::Revolute(axis(0)),
-            "prismatic" => Freedom::Prismatic(axis(0)),
-            "universal" => Freedom::Universal([axis(0), axis(1)]),
-            "spherical" => Freedom::Spherical,
-            "fixed" => Freedom::Fixed,
+            "revolute" => JointModel::Revolute(axis(0)),
+            "prismatic" => JointModel::Prismatic(axis(0)),
+            "universal" => JointModel::Universal([axis(0), axis(1)]),
+            "spherical" => JointModel::Spherical,
+            "fixed" => JointModel::Fixed,
             other => panic!("a joint of unknown kind: {other}"),
         };
         let [xx, xy, xz, yy, yz, zz] = self.inertia;
@@ -89,14 +89,14 @@ fn accelerations_and_mass_matrices_are_the_golden_ones() {
         let bodies = case.bodies.iter().map(GoldenBody::link).collect();
         let mechanism = Mechanism { bodies, linked: Vec::new() };
         let mut mechanics = Mechanics::new(&mechanism, case.gravity.into());
-        let size = mechanics.freedoms();
+        let size = mechanics.dofs();
         for state in &case.states {
             mechanics.set(&state.q, &state.qd);
             let mut matrix = Symmetric::zeros(size);
             let mut x: Vec<f64> =
                 state.efforts.iter().enumerate().map(|(at, x)| x - mechanics.bias(at)).collect();
             for body in 0..mechanism.bodies.len() {
-                for row in mechanics.freedoms_of(body) {
+                for row in mechanics.dofs_of(body) {
                     for column in 0..=row {
                         let rotor = f64::from(u8::from(row == column))
                             * mechanism.bodies[body].rotor_inertia;

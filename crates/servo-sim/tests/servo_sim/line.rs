@@ -7,7 +7,7 @@ use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_servo_sim::fault::FaultOrder;
 use sinew_servo_sim::kind::Kind;
-use sinew_servo_sim::line::{Line, Wired};
+use sinew_servo_sim::line::{Line, LineDevice};
 use sinew_servo_sim::load::Arm;
 use sinew_servo_sim::registers::{RegisterServo, Registers};
 use sinew_servo_sim::supply::Supply;
@@ -22,7 +22,7 @@ fn ping(id: u8) -> Vec<u8> {
 }
 
 /// All that comes until nothing has for so long.
-fn all<W: Wired>(line: &mut Line<W>, timeout_us: u32) -> Vec<u8> {
+fn all<W: LineDevice>(line: &mut Line<W>, timeout_us: u32) -> Vec<u8> {
     let (mut all, mut out) = (Vec::new(), [0; 64]);
     loop {
         match line.read(&mut out, timeout_us) {

@@ -7,7 +7,7 @@ use sinew_servo_bus::dynamixel::{Instruction, Mode};
 use sinew_servo_bus::{Command, ServoBus};
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::device::Servo;
-use sinew_servo_sim::fleet::{self, OnBus, Setup, Wanted};
+use sinew_servo_sim::fleet::{self, BusServo, Setup, Wanted};
 use sinew_servo_sim::kind::Kind;
 use sinew_servo_sim::line::{Line, run_all};
 use sinew_servo_sim::plant::RigPlant;
@@ -143,7 +143,7 @@ fn on_buses(buses: [&str; SERVOS], goal: i32) -> Vec<f64> {
     let mut lines = fleet::lines(&wanted, &setup, &mut memory).unwrap();
     let names = fleet::buses(&wanted);
     let mut now_ns = 0;
-    let mut write = |lines: &mut [Line<OnBus>], servo: usize, address: u16, data: &[u8]| {
+    let mut write = |lines: &mut [Line<BusServo>], servo: usize, address: u16, data: &[u8]| {
         let mut packet = [0; 32];
         let write = Instruction::Write { address, data };
         let len = write.encode(wanted[servo].id, &mut packet).unwrap();
@@ -157,11 +157,11 @@ fn on_buses(buses: [&str; SERVOS], goal: i32) -> Vec<f64> {
     for _ in 0..60 {
         // A write to a register that does nothing: 5 ms pass.
         write(&mut lines, LIMP, 65, &[0]);
-        let OnBus::Servos(branch) = &lines[0].servos else { panic!("they have physics") };
+        let BusServo::Servos(branch) = &lines[0].servos else { panic!("they have physics") };
         // Its Present Input Voltage, 0.1 V.
         lowest = lowest.min(branch.bench().servos()[LIMP].get(144));
     }
-    let OnBus::Servos(branch) = &lines[0].servos else { panic!("they have physics") };
+    let BusServo::Servos(branch) = &lines[0].servos else { panic!("they have physics") };
     let bench = branch.bench();
     let shafts = bench.servos().iter().map(|servo| servo.shaft().position_rad);
     shafts.chain([f64::from(lowest)]).collect()

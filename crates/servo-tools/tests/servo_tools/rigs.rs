@@ -4,7 +4,7 @@
 
 use sinew_rig::Description;
 use sinew_rig::description::ServoModel;
-use sinew_servo_bus::settings::{self, Demand, Setting};
+use sinew_servo_bus::settings::{self, ServoRequirements, Setting};
 use sinew_servo_bus::table::{Access, Range};
 use sinew_servo_tools::calibrate::{self, Calibration};
 use sinew_servo_tools::compare::{apply, diff, span};
@@ -256,7 +256,7 @@ fn a_board_comes_to_the_same_counts() {
                 joint_friction_nm: 0.0,
             };
             let Some(table) = rig.table() else { continue };
-            let demand = Demand {
+            let demand = ServoRequirements {
                 mode: Mode::Position,
                 range_rad: [-most, 0.9 * most].map(|own| single(own) + std::f32::consts::PI),
                 torque_nm: single(rig.torque_nm.unwrap_or(stall_nm)),

@@ -1,8 +1,8 @@
 //! Knots where the motion needs them, and control values in whole steps.
 
 use super::fit::fit;
-use crate::ladder::{RUNGS, span};
 use crate::span::Cubic;
+use crate::span_lengths::{RUNGS, span};
 
 /// One channel's samples. Those of a loop go on for ever, with the other sign in every other round if it `flips`.
 pub(super) struct Samples {

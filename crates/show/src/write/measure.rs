@@ -42,7 +42,7 @@ pub(super) fn measure(
     })?;
     let (mut angles, mut lengths) = (Errors::default(), Errors::default());
     let mut q = vec![0.0; show.channel_count()];
-    let mut qd = vec![0.0; show.degrees_of_freedom()];
+    let mut qd = vec![0.0; show.dof_count()];
     let mut qdd = qd.clone();
     for (sample, wanted) in (0u32..).zip(motion.q.chunks_exact(show.channel_count())) {
         let played = player.state_at(Position::from_samples(sample), &mut q, &mut qd, &mut qdd);

@@ -101,11 +101,11 @@ pub struct Writer<'a> {
     /// Of the show and of a block, in samples.
     length: i32,
     block: i32,
-    joints: Vec<OfJoint>,
+    joints: Vec<JointCurves>,
 }
 
 /// What is written of a joint.
-struct OfJoint {
+struct JointCurves {
     /// The largest error at each sample, as a share of the bound; empty while that holds everywhere.
     shares: Vec<f64>,
     channels: Vec<Channel>,
@@ -136,7 +136,7 @@ impl<'a> Writer<'a> {
         #[expect(clippy::cast_possible_truncation, reason = "clamped")]
         let block = block.clamp(16.0, 8192.0) as i32;
         let length = i32::try_from(length).expect("checked");
-        let nothing = |_| OfJoint { shares: vec![], channels: vec![], is_written: false };
+        let nothing = |_| JointCurves { shares: vec![], channels: vec![], is_written: false };
         let joints = motion.joints.iter().map(nothing).collect();
         Ok(Self { motion, settings, length, block, joints })
     }

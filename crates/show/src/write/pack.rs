@@ -2,9 +2,9 @@
 
 use super::curve::Curve;
 use crate::channel::{Code, ESCAPE, RUNG_ESCAPE, RUNG_WIDTH, mapped};
-use crate::ladder::{RUNGS, span};
 use crate::layout::ChannelRecord;
 use crate::show::CHECKSUM;
+use crate::span_lengths::{RUNGS, span};
 
 /// Bits in the order of bytes, the most significant first.
 #[derive(Debug, Clone, Default)]

@@ -17,7 +17,7 @@ struct Numbers {
 
 impl Numbers {
     fn of(show: &Show<'_>) -> Self {
-        let nv = show.degrees_of_freedom();
+        let nv = show.dof_count();
         Self { q: vec![0.0; show.channel_count()], qd: vec![0.0; nv], qdd: vec![0.0; nv] }
     }
 

@@ -107,7 +107,7 @@ proptest! {
         let rate = f64::from(show.rate().hz());
         let (mut at, mut v_at) = (0, 0);
         for joint in &example.joints {
-            let (nq, nv) = (joint.coordinate_count(), joint.degrees_of_freedom());
+            let (nq, nv) = (joint.coordinate_count(), joint.dof_count());
             // The rate of speeds is the acceleration; a knot between bends it by a jerk times the step.
             let angular = if joint.turns_freely() { 3 } else { nv };
             for k in v_at..v_at + angular {
@@ -184,7 +184,7 @@ proptest! {
             }
             at += joint.coordinate_count();
         }
-        for k in 0..show.degrees_of_freedom() {
+        for k in 0..show.dof_count() {
             let (a, b) = (end.qd[k], begin.qd[k]);
             prop_assert!((a - b).abs() < 6e-6 * acceleration + 4e-6 * speed, "{a} {b}");
             // A jerk is at most an acceleration from sample to sample; what turns has that towards its centre too.
@@ -210,7 +210,7 @@ fn accelerations_have_no_steps() {
         let mut at = |us: u64| play(&mut player, show.position_at_us(us));
         let [long_before, before, after, long_after] =
             [middle_us - 5000, middle_us - 1, middle_us + 1, middle_us + 5000].map(&mut at);
-        for k in 0..show.degrees_of_freedom() {
+        for k in 0..show.dof_count() {
             let (a, b) = (before.qdd[k], after.qdd[k]);
             // What it changes within 5 ms on each side, in proportion, and the rounding of f32.
             let around = (long_before.qdd[k] - a).abs() + (long_after.qdd[k] - b).abs();

@@ -47,7 +47,7 @@ fn a_reader_of_the_page_reads_the_same() {
             "{}",
             String::from_utf8_lossy(&output.stderr)
         );
-        let (nq, nv) = (show.channel_count(), show.degrees_of_freedom());
+        let (nq, nv) = (show.channel_count(), show.dof_count());
         for (line, us) in text.lines().zip(times_us) {
             let wanted: Vec<f64> = line.split(' ').map(|x| x.parse().expect("a number")).collect();
             let (mut q, mut qd, mut qdd) = ([0.0; C], [0.0; C], [0.0; C]);

@@ -170,10 +170,9 @@ fn a_rig_that_is_too_large_is_refused_by_number() {
     let head: &[u8; Capacity::HEAD_LEN] = bytes.first_chunk().unwrap();
     // What `sinew-rig` itself says of the same bytes.
     macro_rules! refused {
-        ($bodies:literal, $freedoms:literal, $servos:literal) => {{
-            let capacity =
-                Capacity { bodies: $bodies, degrees_of_freedom: $freedoms, servos: $servos };
-            let theirs = BoardRig::<$bodies, $freedoms, $servos>::decode(&bytes).map(drop);
+        ($bodies:literal, $dofs:literal, $servos:literal) => {{
+            let capacity = Capacity { bodies: $bodies, dofs: $dofs, servos: $servos };
+            let theirs = BoardRig::<$bodies, $dofs, $servos>::decode(&bytes).map(drop);
             match (capacity.check(head), theirs) {
                 (Ok(()), Ok(())) => false,
                 (

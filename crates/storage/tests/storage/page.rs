@@ -58,9 +58,9 @@ fn rigs_that_fit() {
         .collect();
     lines.push(format!("| the most, beside {SETTINGS_LEN} bytes of settings | {largest} |"));
     is_on_page(&lines);
-    let Capacity { bodies, degrees_of_freedom, servos } = F446.capacity;
+    let Capacity { bodies, dofs, servos } = F446.capacity;
     is_on_page(&[format!(
-        "The NUCLEO-F446RE takes {bodies} bodies, {degrees_of_freedom} degrees of freedom and {servos} servos."
+        "The NUCLEO-F446RE takes {bodies} bodies, {dofs} degrees of freedom and {servos} servos."
     )]);
 }
 

@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 use sinew_figure::plant::MassProperties;
 use sinew_figure::plant::{
-    ArticulatedPlant, Drive, Freedom, Link, Mechanism, MovingPose, Pose, link,
+    ArticulatedPlant, Drive, JointModel, Link, Mechanism, MovingPose, Pose, link,
 };
 
 use super::{Case, State};
@@ -37,9 +37,9 @@ pub(super) fn check(
             None => hung.then_some(0),
         };
         let joint = match (parent, case.root) {
-            (Some(_), _) => Freedom::Spherical,
-            (None, Root::Free) => Freedom::Free,
-            (None, _) => Freedom::Fixed,
+            (Some(_), _) => JointModel::Spherical,
+            (None, Root::Free) => JointModel::Free,
+            (None, _) => JointModel::Fixed,
         };
         bodies.push(link(parent, joint, golden.offset.0, &golden.mass_properties()));
 
@@ -86,5 +86,5 @@ fn bolted() -> Link {
         center_of_mass_m: DVec3::ZERO,
         rotational_kg_m2: DMat3::IDENTITY,
     };
-    link(None, Freedom::Fixed, DVec3::ZERO, &mass)
+    link(None, JointModel::Fixed, DVec3::ZERO, &mass)
 }

@@ -192,8 +192,8 @@ fn needed(link: &Link, motion: &BodyMotion) -> Motion {
     Motion { angular: about_center.plus_cross(link.center, force), linear: force }
 }
 
-/// The freedoms of a rig: body and motion of each, in the order of the core's mass matrix.
-fn freedoms(links: &[Link], columns: impl Fn(usize, &Link) -> Vec<Motion>) -> Vec<(usize, Motion)> {
+/// The dofs of a rig: body and motion of each, in the order of the core's mass matrix.
+fn dofs(links: &[Link], columns: impl Fn(usize, &Link) -> Vec<Motion>) -> Vec<(usize, Motion)> {
     let of_body = |(body, link): (usize, &Link)| {
         columns(body, link).into_iter().map(move |column| (body, column)).collect::<Vec<_>>()
     };
@@ -203,14 +203,14 @@ fn freedoms(links: &[Link], columns: impl Fn(usize, &Link) -> Vec<Motion>) -> Ve
 /// The mass matrix, column by column the wrenches of a unit acceleration at rest.
 pub fn mass_matrix_by_torques(links: &[Link], joints: &[Joint]) -> Vec<Vec<Number>> {
     let still: Vec<_> = joints.iter().map(Joint::still).collect();
-    let freedoms = freedoms(links, |body, link| link.columns(&joints[body]));
+    let dofs = dofs(links, |body, link| link.columns(&joints[body]));
     let column = |(moved, unit): &(usize, Motion)| {
         let mut accelerations = vec![Motion::ZERO; links.len()];
         accelerations[*moved] = *unit;
         let wrenches = inverse_dynamics(links, &still, &accelerations, Vector::ZERO);
-        freedoms.iter().map(|(body, along)| along.dot(&wrenches[*body])).collect()
+        dofs.iter().map(|(body, along)| along.dot(&wrenches[*body])).collect()
     };
-    freedoms.iter().map(column).collect()
+    dofs.iter().map(column).collect()
 }
 
 /// The mass matrix by the composite-rigid-body algorithm. Of rows and columns of which no joint carries the other's it
@@ -239,12 +239,11 @@ pub fn mass_matrix(links: &[Link], joints: &[Joint]) -> Vec<Vec<Number>> {
         rotations.push(turn.matrix());
         arms.push(arm);
     }
-    let freedoms = freedoms(links, |body, link| link.columns_by_parent(&matrices[body]));
-    let turned: Vec<_> =
-        freedoms.iter().map(|(body, along)| along.turned(&rotations[*body])).collect();
-    let mut rows = vec![vec![Number::ZERO; freedoms.len()]; freedoms.len()];
-    for (row, (body, unit)) in freedoms.iter().enumerate() {
-        let of = |body| freedoms.iter().enumerate().filter(move |(_, (of, _))| *of == body);
+    let dofs = dofs(links, |body, link| link.columns_by_parent(&matrices[body]));
+    let turned: Vec<_> = dofs.iter().map(|(body, along)| along.turned(&rotations[*body])).collect();
+    let mut rows = vec![vec![Number::ZERO; dofs.len()]; dofs.len()];
+    for (row, (body, unit)) in dofs.iter().enumerate() {
+        let of = |body| dofs.iter().enumerate().filter(move |(_, (of, _))| *of == body);
         let in_body = composites[*body].wrench(unit);
         for (column, (_, along)) in of(*body) {
             let element = along.dot(&in_body);

@@ -31,13 +31,13 @@ struct Ball {
 
 /// How a joint gives way.
 enum Response {
-    /// Along its freedoms: the wrenches that they meet, and what they make of the rest.
+    /// Along its dofs: the wrenches that they meet, and what they make of the rest.
     Along { met: Vec<Six>, resistance: Vec<Vec<Number>>, push: Vec<Number> },
     /// Any way, against a rotor.
     Ball(Box<Ball>),
 }
 
-/// Accelerations of the freedoms of each joint that these wrenches of their drives make, as
+/// Accelerations of the dofs of each joint that these wrenches of their drives make, as
 /// [`forward_dynamics`](sinew_core::dynamics::forward_dynamics) has them.
 pub fn forward_dynamics(
     links: &[Link],
@@ -146,20 +146,20 @@ impl Body {
             return self.turn_any_way_with_rotor(drive.angular, link.rotor);
         }
         let drive = drive.components();
-        let freedoms = self.columns.len();
+        let dofs = self.columns.len();
         let met: Vec<_> = self.columns.iter().map(|column| times(&self.inertia, *column)).collect();
         let resists = |i: usize, j: usize| {
             let of = dot(self.columns[i], met[j]);
             if i == j { of + link.rotor } else { of }
         };
         let resistance: Vec<Vec<_>> =
-            (0..freedoms).map(|i| (0..freedoms).map(|j| resists(i, j)).collect()).collect();
+            (0..dofs).map(|i| (0..dofs).map(|j| resists(i, j)).collect()).collect();
         let push: Vec<_> = self
             .columns
             .iter()
             .map(|column| dot(*column, drive) - dot(*column, self.wrench))
             .collect();
-        // Column by column of the inertia: what the freedoms do about it.
+        // Column by column of the inertia: what the dofs do about it.
         let mut inertia = self.inertia;
         for column in 0..6 {
             let wanted: Vec<_> = met.iter().map(|met| met[column]).collect();

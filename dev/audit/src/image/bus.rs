@@ -2,7 +2,7 @@
 
 use core::hint::black_box;
 
-use sinew_servo_bus::settings::{self, Demand, Mode};
+use sinew_servo_bus::settings::{self, Mode, ServoRequirements};
 use sinew_servo_bus::table::{ByteOrder, Item};
 use sinew_servo_bus::{
     BusDevice, Command, Compared, Effort, Line, Plausible, Schedule, ServoBus, Timing, Traffic,
@@ -15,8 +15,8 @@ use super::{slice, slice_mut};
 const SERVOS: usize = 20;
 
 /// What a rig asks of a servo's registers.
-fn demand() -> Demand {
-    black_box(Demand {
+fn demand() -> ServoRequirements {
+    black_box(ServoRequirements {
         mode: Mode::Current,
         range_rad: [1.0, 2.0],
         torque_nm: 1.0,

@@ -15,7 +15,7 @@ use sinew_core::pose_space::{LineWorkspace, PoseSpace};
 use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, ProjectionWorkspace};
 use sinew_core::state_error::{Aims, Compensation, Method, References};
 use sinew_core::supply::TorqueSupply;
-use sinew_core::{BodySet, Controller, Inertia, JointState, RotationalInertia, Tree, Twist};
+use sinew_core::{BodySet, Inertia, JointState, RotationalInertia, TorqueController, Tree, Twist};
 
 use super::{N, body, desired, gains, measured, slice, slice_mut, tree};
 
@@ -57,10 +57,10 @@ fn method() -> Method<N> {
 }
 
 /// A controller with every setting, none of which the compiler knows.
-pub(crate) fn controller() -> Option<Controller<N>> {
+pub(crate) fn controller() -> Option<TorqueController<N>> {
     let tree = tree();
     let inertias = reflected_inertia(&tree, &measured(), black_box(OuterJoints::Free));
-    Controller::new(tree, gains()?, black_box(method()))
+    TorqueController::new(tree, gains()?, black_box(method()))
         .ok()?
         .with_gravity(black_box(Vec3::ZERO))
         .ok()?
@@ -68,7 +68,7 @@ pub(crate) fn controller() -> Option<Controller<N>> {
         .ok()?
         .with_limits(slice())
         .ok()?
-        .with_pd_of_inertia(&black_box(inertias))
+        .with_inertia_scaled_pd(&black_box(inertias))
         .ok()?
         .with_law(black_box(ControlLaw::InverseDynamics))
         .ok()

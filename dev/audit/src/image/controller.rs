@@ -3,7 +3,7 @@
 use core::hint::black_box;
 
 use sinew_firmware::controller::{
-    Controller, ControllerSettings, Inputs, ServoSetup, Start, Wire, estimated_us, exchange,
+    ControllerSettings, Inputs, MotionController, ServoSetup, Start, Wire, estimated_us, exchange,
     open_show,
 };
 use sinew_rig::board::BoardRig;
@@ -11,9 +11,9 @@ use sinew_servo_bus::{EncodeError, Schedule, pca9685};
 
 use super::{slice, slice_mut};
 
-/// Bodies, freedoms, servos and coordinates of a rig.
+/// Bodies, dofs, servos and coordinates of a rig.
 pub(crate) const BODIES: usize = 20;
-pub(crate) const FREEDOMS: usize = 24;
+pub(crate) const DOFS: usize = 24;
 pub(crate) const SERVOS: usize = 20;
 pub(crate) const COORDINATES: usize = 28;
 
@@ -32,12 +32,12 @@ impl Wire for Anything {
 
 #[inline(never)]
 pub(crate) fn ticks() {
-    let (rig, schedule) = black_box((None::<BoardRig<BODIES, FREEDOMS, SERVOS>>, None::<Schedule>));
+    let (rig, schedule) = black_box((None::<BoardRig<BODIES, DOFS, SERVOS>>, None::<Schedule>));
     let (Some(rig), Some(schedule)) = (&rig, &schedule) else { return };
     let Some(mut bus) = black_box(None::<pca9685::Bus>) else { return };
     black_box(estimated_us(black_box(1), black_box(1)));
     let (settings, start) = black_box((ControllerSettings::default(), Start::default()));
-    let controller = Controller::<BODIES, FREEDOMS, SERVOS, COORDINATES>::new(
+    let controller = MotionController::<BODIES, DOFS, SERVOS, COORDINATES>::new(
         rig,
         &settings,
         slice::<ServoSetup>(),

@@ -13,10 +13,10 @@ pub(crate) fn coordinates() {
     let joint = black_box(JointKind::Free);
     black_box(&joint.validate());
     black_box(&joint.state(black_box(Transform::IDENTITY), slice(), slice()));
-    black_box((joint.degrees_of_freedom(), joint.coordinate_count()));
+    black_box((joint.dof_count(), joint.coordinate_count()));
     let tree = tree();
-    black_box((tree.coordinate_count(), tree.degrees_of_freedom()));
-    black_box((tree.coordinates(black_box(1)), tree.freedoms(black_box(1))));
+    black_box((tree.coordinate_count(), tree.dof_count()));
+    black_box((tree.coordinates(black_box(1)), tree.dofs(black_box(1))));
     let (mut states, mut targets) = (measured(), desired());
     black_box(&states.set_coordinates(&tree, slice(), slice()));
     black_box(&states.set_coordinates_at_rest(&tree, slice()));

@@ -11,14 +11,14 @@ use sinew_servo_bus::{dynamixel, feetech, pca9685};
 
 use super::{slice, slice_mut};
 
-/// Bodies, freedoms and servos of a rig.
+/// Bodies, dofs and servos of a rig.
 const BODIES: usize = 20;
-const FREEDOMS: usize = 24;
+const DOFS: usize = 24;
 const SERVOS: usize = 20;
 
 #[inline(never)]
 pub(crate) fn rig() {
-    let rig = black_box(None::<BoardRig<BODIES, FREEDOMS, SERVOS>>);
+    let rig = black_box(None::<BoardRig<BODIES, DOFS, SERVOS>>);
     let Some(rig) = &rig else { return };
     let timing = black_box(Timing { dt_s: 0.01, latency_ticks: 1 });
     if let Ok(mut drives) = Drives::new(rig, slice::<DriveSettings>(), timing) {

@@ -4,7 +4,7 @@ use core::hint::black_box;
 
 use sinew_core::control::{Limited, TorqueLimit};
 use sinew_core::dynamics::{
-    degrees_of_freedom, forward_dynamics, inverse_dynamics, mass_matrix, resolved_acceleration,
+    dof_count, forward_dynamics, inverse_dynamics, mass_matrix, resolved_acceleration,
 };
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::projection::BodyWeights;
@@ -50,7 +50,7 @@ pub(crate) fn dynamics() {
     inverse_dynamics(slice(), slice(), slice(), gravity_m_s2, slice(), slice_mut(), torques);
     forward_dynamics(slice(), slice(), slice(), gravity_m_s2, slice(), slice_mut(), slice_mut());
     black_box(mass_matrix(slice(), slice(), slice_mut(), slice_mut()));
-    black_box(degrees_of_freedom(slice()));
+    black_box(dof_count(slice()));
     let Ok(weights) = BodyWeights::new(&tree(), slice()) else { return };
     let weights = black_box(weights);
     resolved_acceleration(slice(), slice(), slice(), &weights, slice_mut(), slice_mut());

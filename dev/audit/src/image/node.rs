@@ -7,15 +7,15 @@ use core::ops::Range;
 
 use sinew_firmware::controller::{ControllerSettings, ServoSetup};
 use sinew_firmware::node::{
-    Control, Desk, Found, Mail, Next, NodeSettings, Port, Safety, Setup, Shared, Spread, causes,
-    join_rig, link_version, start,
+    BackgroundTask, ControlLoop, Found, Mail, Next, NodeSettings, Port, Safety, Setup, Shared,
+    Spread, causes, join_rig, link_version, start,
 };
 use sinew_firmware::watchdog::{Complete, Watchdog};
 use sinew_link::message::{ToHost, Welcome};
 use sinew_servo_bus::{Schedule, pca9685};
 use sinew_storage::BoardTable;
 
-use super::controller::{Anything, BODIES, COORDINATES, FREEDOMS, SERVOS};
+use super::controller::{Anything, BODIES, COORDINATES, DOFS, SERVOS};
 use super::storage::Flash;
 use super::{slice, slice_mut};
 
@@ -62,7 +62,7 @@ impl Port<'static> for Board {
     }
 }
 
-type Letters = Mail<'static, FREEDOMS, SERVOS, COORDINATES>;
+type Letters = Mail<'static, DOFS, SERVOS, COORDINATES>;
 
 /// The mail is taken out while somebody reads it.
 struct Locked(Cell<Option<Letters>>);
@@ -90,7 +90,7 @@ pub(crate) fn nodes() {
     let why = causes(black_box(true), black_box(true), black_box(true));
     let flash: Flash<4> = Flash;
     let mut slot = MaybeUninit::uninit();
-    let found = start::<_, BODIES, FREEDOMS, SERVOS>(
+    let found = start::<_, BODIES, DOFS, SERVOS>(
         flash,
         black_box(board),
         |_| defaults,
@@ -109,12 +109,12 @@ pub(crate) fn nodes() {
     let Some(mut bus) = black_box(None::<pca9685::Bus>) else { return };
     let Some(ToHost::Welcome(Welcome { about, .. })) = black_box(None) else { return };
     let servos = slice::<ServoSetup>();
-    let made = Control::<BODIES, FREEDOMS, SERVOS, COORDINATES>::new(
+    let made = ControlLoop::<BODIES, DOFS, SERVOS, COORDINATES>::new(
         rig, &settings, servos, &schedule, start,
     );
     black_box(made.is_ok());
     let of_loop = settings.clone();
-    Control::<BODIES, FREEDOMS, SERVOS, COORDINATES>::with(
+    ControlLoop::<BODIES, DOFS, SERVOS, COORDINATES>::with(
         rig,
         &of_loop,
         servos,
@@ -125,7 +125,7 @@ pub(crate) fn nodes() {
             let mail = Locked(Cell::new(Some(Mail::new(disarmed))));
             let (rig, tick_s, line_bps) = (Some((rig, black_box(1))), black_box(1.0), black_box(1));
             let setup = Setup { about, settings, is_bad, rig, tick_s, line_bps };
-            let mut desk = Desk::new(store, setup, black_box(1));
+            let mut desk = BackgroundTask::new(store, setup, black_box(1));
             let ended = control.tick(&mut Board, &mail, &mut bus, &mut Anything, slice_mut());
             black_box((ended.is_ok(), control.controller().report()));
             black_box(desk.step(&mut Board, &mail) == Next::Restart);

@@ -14,7 +14,7 @@ pub(crate) fn decoder() {
     let show = black_box(show);
     black_box((&show.check_blocks(), &show.check_rig(black_box(1))));
     black_box(&show.check_joints(slice::<JointKind>().iter().copied()));
-    black_box((show.channel_count(), show.degrees_of_freedom(), show.rig(), show.is_loop()));
+    black_box((show.channel_count(), show.dof_count(), show.rig(), show.is_loop()));
     black_box((show.length(), show.duration_s(), show.block_count(), show.largest_error()));
     black_box(show.time_code().map(|code| (code.is_time(), code.after(black_box(1)))));
     black_box((show.time_code_at(black_box(1)), show.course().count()));

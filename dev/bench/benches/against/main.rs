@@ -92,8 +92,8 @@ fn compare(tree: &Tree<BODIES>) -> Result<f64, Box<dyn Error>> {
     ];
     let (motions, rounds) = if options::quick() { (20, 200) } else { (1000, 5000) };
     let motions: Vec<_> = (0..motions).map(|seed| RigMotion::random(tree.bodies(), seed)).collect();
-    let freedoms = tree.degrees_of_freedom();
-    println!("\nRNEA, {BODIES} bodies, {freedoms} degrees of freedom");
+    let dofs = tree.dof_count();
+    println!("\nRNEA, {BODIES} bodies, {dofs} degrees of freedom");
 
     let worst = disagreement(&mut contenders, &motions);
     println!(

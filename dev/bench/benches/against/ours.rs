@@ -4,7 +4,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use sinew_core::dynamics::{
-    ArticulatedBody, CompositeBody, degrees_of_freedom, forward_dynamics, mass_matrix,
+    ArticulatedBody, CompositeBody, dof_count, forward_dynamics, mass_matrix,
 };
 use sinew_core::{BodyState, JointKind, Tree, Twist, Wrench, kinematics};
 
@@ -30,7 +30,7 @@ impl Ours {
             articulated: vec![ArticulatedBody::default(); count],
             accelerations: vec![Twist::ZERO; count],
             composites: vec![CompositeBody::default(); count],
-            matrix: vec![0.0; degrees_of_freedom(tree.bodies()).pow(2)],
+            matrix: vec![0.0; dof_count(tree.bodies()).pow(2)],
             world: vec![BodyState::WORLD; count],
         }
     }
@@ -88,7 +88,7 @@ impl Ours {
         }
     }
 
-    /// Of the root all six numbers, of other joints those along their freedoms.
+    /// Of the root all six numbers, of other joints those along their dofs.
     fn by_joint(&self, motions: &[Twist]) -> Vec<f64> {
         let mut all = Vec::new();
         for (body, motion) in self.inverse.tree.bodies().iter().zip(motions) {

@@ -32,9 +32,9 @@ pub(crate) fn compare(tree: &Tree<BODIES>, programs: &OsStr) -> Result<(), Box<d
             agree(&mut ours, peer)?;
         }
     }
-    let freedoms = tree.degrees_of_freedom();
+    let dofs = tree.dof_count();
     println!(
-        "\nKernels, {BODIES} bodies, {freedoms} degrees of freedom: median, ns, and ours as a part of it"
+        "\nKernels, {BODIES} bodies, {dofs} degrees of freedom: median, ns, and ours as a part of it"
     );
     println!("all find the same in {motions} motions, to {TOLERANCE:.0e} of the largest number");
     print!("{:20}{:>10}", "", "sinew");

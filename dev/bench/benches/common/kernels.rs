@@ -7,8 +7,8 @@ use sinew_bench::rig::{DT_S, Rig};
 use sinew_bench::{Frames, Root, figure, poses, states};
 use sinew_core::control::Gains;
 use sinew_core::dynamics::{
-    ArticulatedBody, BodyMotion, CompositeBody, Resolved, degrees_of_freedom, forward_dynamics,
-    inverse_dynamics, mass_matrix, resolved_acceleration,
+    ArticulatedBody, BodyMotion, CompositeBody, ResolvedAccelerationScratch, dof_count,
+    forward_dynamics, inverse_dynamics, mass_matrix, resolved_acceleration,
 };
 use sinew_core::glam::Vec3;
 use sinew_core::pose_space::{LineWorkspace, PoseSpace};
@@ -16,11 +16,11 @@ use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, Projec
 use sinew_core::state_error::{
     self, AimStatus, Aims, Compensation, Method, References, StateError,
 };
-use sinew_core::tracker::{ROTATION_M, Settings, Timing, Tracker};
+use sinew_core::tracker::{RECOMMENDED_ROTATION_WEIGHT_M, Settings, Timing, Tracker};
 use sinew_core::trajectory::{aligned_targets, backward_states};
 use sinew_core::{
-    BodyState, Controller, ForwardDifferences, JointState, JointStates, JointTargets, Transform,
-    Tree, Twist, Workspace, Wrench, kinematics,
+    BodyState, ForwardDifferences, JointState, JointStates, JointTargets, TorqueController,
+    Transform, Tree, Twist, Workspace, Wrench, kinematics,
 };
 
 /// Numbers of bodies.
@@ -156,8 +156,8 @@ fn dynamics<const N: usize>(
         black_box(&wrenches);
     });
 
-    let freedoms = degrees_of_freedom(tree.bodies());
-    let mut matrix = vec![0.0; freedoms * freedoms];
+    let dofs = dof_count(tree.bodies());
+    let mut matrix = vec![0.0; dofs * dofs];
     let (rig, mut scratch) = (tree.clone(), [CompositeBody::default(); N]);
     let crba = kernel("mass_matrix", move || {
         let (bodies, joints) = black_box((rig.bodies(), &joints));
@@ -178,7 +178,7 @@ fn dynamics<const N: usize>(
     let mut world = [BodyState::WORLD; N];
     kinematics::body_states(tree.bodies(), joints.as_slice(), &mut world);
     let weights = BodyWeights::rotations(tree);
-    let (mut scratch, mut out) = ([Resolved::ZERO; N], [Twist::ZERO; N]);
+    let (mut scratch, mut out) = ([ResolvedAccelerationScratch::ZERO; N], [Twist::ZERO; N]);
     let rig = tree.clone();
     let resolved = kernel("resolved_acceleration", move || {
         out.fill(black_box(Twist::new(Vec3::X, Vec3::Y)));
@@ -220,7 +220,8 @@ fn projection<const N: usize>(
     tree: &Tree<N>,
     frames: &[[Transform; N]],
 ) -> Result<Kernel, Box<dyn Error>> {
-    let projection = ManifoldProjection::new(tree, &[BodyWeight::new(1.0, ROTATION_M); N])?;
+    let projection =
+        ManifoldProjection::new(tree, &[BodyWeight::new(1.0, RECOMMENDED_ROTATION_WEIGHT_M); N])?;
     let (mut workspace, mut nearest) = (ProjectionWorkspace::new(), [Transform::IDENTITY; N]);
     let (rig, performance) = (tree.clone(), enlarged(frames));
     let mut index = (0..FRAMES).cycle();
@@ -272,7 +273,7 @@ fn ticks<const N: usize>(
     ] {
         let frames = frames.to_vec();
         let first = [&frames[LAG_FRAMES][..], &frames[LAG_FRAMES + 1][..]];
-        let controller = Controller::new(tree.clone(), gains, method)?;
+        let controller = TorqueController::new(tree.clone(), gains, method)?;
         let mut rig = Rig::new(controller, Workspace::resolving(), first)?;
         let mut index = (0..FRAMES - LAG_FRAMES - 2).cycle();
         kernels.push(kernel(name, move || {

@@ -12,7 +12,7 @@ use sinew_core::control::Gains;
 use sinew_core::glam::Vec3;
 use sinew_core::state_error::{Aims, Compensation, Method};
 use sinew_core::{
-    Body, Controller, Inertia, JointKind, RotationalInertia, Transform, Tree, Workspace,
+    Body, Inertia, JointKind, RotationalInertia, TorqueController, Transform, Tree, Workspace,
 };
 
 const BODIES: usize = 18;
@@ -60,7 +60,7 @@ fn rigs() -> Option<(Rig<BODIES>, Rig<BODIES>)> {
     let (aims, settings) = (Aims::heaviest_child(&tree), Compensation::default());
     let [first, second, _] = poses();
     let rig = |method| {
-        let controller = Controller::new(tree.clone(), gains, method).ok()?;
+        let controller = TorqueController::new(tree.clone(), gains, method).ok()?;
         Rig::new(controller, Workspace::new(), [&first, &second]).ok()
     };
     Some((rig(Method::World)?, rig(Method::LinearCompensation { aims, settings })?))

@@ -16,7 +16,7 @@ use sinew_core::control::{ControlLaw, Gains};
 use sinew_core::dynamics::{BodyMotion, inverse_dynamics};
 use sinew_core::glam::Vec3;
 use sinew_core::state_error::Method;
-use sinew_core::{Controller, JointState, Transform, Tree, Twist, Wrench};
+use sinew_core::{JointState, TorqueController, Transform, Tree, Twist, Wrench};
 
 use crate::states;
 
@@ -153,9 +153,9 @@ pub fn enlarge(poses: &mut [Transform]) {
 pub fn controller<const N: usize>(
     tree: &Tree<N>,
     method: Method<N>,
-) -> Result<Controller<N>, &'static str> {
+) -> Result<TorqueController<N>, &'static str> {
     let gains = Gains::critically_damped(200.0).map_err(|_| "no such gains")?;
-    Controller::new(tree.clone(), gains, method)
+    TorqueController::new(tree.clone(), gains, method)
         .and_then(|controller| controller.with_law(ControlLaw::InverseDynamics))
         .map_err(|_| "no such controller")
 }

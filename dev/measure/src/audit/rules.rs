@@ -165,7 +165,7 @@ fn is_of_doubles(name: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::elf::by_hand::{BX_LR, NOP, branch, object};
+    use crate::elf::fixture::{BX_LR, NOP, branch, object};
 
     #[test]
     fn what_a_function_is_for_is_told_by_its_name() {

@@ -182,7 +182,7 @@ impl Search<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::elf::by_hand::{BLX_R3, NOP, branch, object};
+    use crate::elf::fixture::{BLX_R3, NOP, branch, object};
 
     const PUSH_R4_LR: u16 = 0xb510;
     const POP_R4_PC: u16 = 0xbd10;

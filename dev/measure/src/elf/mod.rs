@@ -4,7 +4,7 @@ mod calls;
 mod disassembly;
 mod lines;
 mod symbols;
-mod words;
+mod text;
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::fs;
@@ -18,7 +18,7 @@ pub(crate) use disassembly::Instruction;
 pub(crate) use lines::{Lines, Place};
 
 use disassembly::Disassembler;
-use words::Words;
+use text::Words;
 
 /// A linked image, read once. Functions are known by their index, which rises with their address.
 #[derive(Debug)]
@@ -227,6 +227,6 @@ fn without_instance(name: &str) -> &str {
 }
 
 #[cfg(test)]
-pub(crate) mod by_hand;
+pub(crate) mod fixture;
 #[cfg(test)]
 mod tests;

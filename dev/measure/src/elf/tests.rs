@@ -2,7 +2,7 @@
 
 use object::Architecture;
 
-use super::by_hand::*;
+use super::fixture::*;
 use super::*;
 
 /// `root` calls `middle`, which ends in `leaf`; `again` calls itself by way of `root`; `open` calls pointers.

@@ -5,10 +5,10 @@ use std::io;
 use std::time::Duration;
 
 use sinew_board_client::Line;
-use sinew_servo_sim::line::Wired;
+use sinew_servo_sim::line::LineDevice;
 
-use crate::machine::{Heard, Port};
-use crate::on_servos::{Burst, OnServos};
+use crate::machine::{MachineEvent, Port};
+use crate::on_servos::{BoardOnServos, Burst};
 
 /// How far it runs at a time while the host waits: a byte of the link is heard so late at most, ns.
 const STEP_NS: u64 = 500_000;
@@ -16,17 +16,17 @@ const STEP_NS: u64 = 500_000;
 /// A board, its servos, and its host.
 pub struct EmulatedBoard<W> {
     /// Board and servos.
-    pub servos: OnServos<W>,
+    pub servos: BoardOnServos<W>,
     /// What went over the bus since somebody took it.
     pub bus: Vec<Burst>,
     /// What else happened since then.
-    pub other: Vec<Heard>,
+    pub other: Vec<MachineEvent>,
     said: VecDeque<u8>,
 }
 
-impl<W: Wired> EmulatedBoard<W> {
+impl<W: LineDevice> EmulatedBoard<W> {
     /// A board that a host has said nothing to.
-    pub fn new(servos: OnServos<W>) -> Self {
+    pub fn new(servos: BoardOnServos<W>) -> Self {
         Self { servos, bus: Vec::new(), other: Vec::new(), said: VecDeque::new() }
     }
 
@@ -43,7 +43,7 @@ impl<W: Wired> EmulatedBoard<W> {
     }
 }
 
-impl<W: Wired> Line for EmulatedBoard<W> {
+impl<W: LineDevice> Line for EmulatedBoard<W> {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         let now_ns = self.servos.at_ns();
         self.servos.machine.say(Port::Link, now_ns, bytes).map_err(io::Error::other)

@@ -35,7 +35,7 @@ pub enum Port {
 
 /// What the machine did. Times are since power-on, ns.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Heard {
+pub enum MachineEvent {
     /// Bytes one behind the other on the bus: when the last of them had left, at how many bits per second.
     Bus {
         /// When.
@@ -68,7 +68,7 @@ pub struct Stopped {
     /// Where: at most where it was to run to.
     pub at_ns: u64,
     /// What it did.
-    pub heard: Vec<Heard>,
+    pub heard: Vec<MachineEvent>,
 }
 
 /// An emulated board that stands still.
@@ -197,25 +197,27 @@ impl Drop for Machine {
     }
 }
 
-fn parsed(words: &[&str]) -> Option<Heard> {
+fn parsed(words: &[&str]) -> Option<MachineEvent> {
     Some(match *words {
-        ["bus", end_ns, baud, bytes] => Heard::Bus {
+        ["bus", end_ns, baud, bytes] => MachineEvent::Bus {
             end_ns: end_ns.parse().ok()?,
             baud: baud.parse().ok()?,
             bytes: from_hex(bytes)?,
         },
-        ["link", end_ns, bytes] => Heard::Link(end_ns.parse().ok()?, from_hex(bytes)?),
-        ["unheard", "bus", count] => Heard::Unheard(Port::Bus, count.parse().ok()?),
-        ["unheard", "link", count] => Heard::Unheard(Port::Link, count.parse().ok()?),
-        ["reset", at_ns, by] => Heard::Reset(at_ns.parse().ok()?, by.to_owned()),
-        ["erase", at_ns, sector] => Heard::Erase(at_ns.parse().ok()?, sector.parse().ok()?),
-        ["erased", at_ns, sector] => Heard::Erased(at_ns.parse().ok()?, sector.parse().ok()?),
-        ["stray", at_ns, address, from] => Heard::Stray(
+        ["link", end_ns, bytes] => MachineEvent::Link(end_ns.parse().ok()?, from_hex(bytes)?),
+        ["unheard", "bus", count] => MachineEvent::Unheard(Port::Bus, count.parse().ok()?),
+        ["unheard", "link", count] => MachineEvent::Unheard(Port::Link, count.parse().ok()?),
+        ["reset", at_ns, by] => MachineEvent::Reset(at_ns.parse().ok()?, by.to_owned()),
+        ["erase", at_ns, sector] => MachineEvent::Erase(at_ns.parse().ok()?, sector.parse().ok()?),
+        ["erased", at_ns, sector] => {
+            MachineEvent::Erased(at_ns.parse().ok()?, sector.parse().ok()?)
+        }
+        ["stray", at_ns, address, from] => MachineEvent::Stray(
             at_ns.parse().ok()?,
             u32::from_str_radix(address, 16).ok()?,
             u32::from_str_radix(from, 16).ok()?,
         ),
-        ["light", at_ns, level] => Heard::Light(at_ns.parse().ok()?, level == "1"),
+        ["light", at_ns, level] => MachineEvent::Light(at_ns.parse().ok()?, level == "1"),
         _ => return None,
     })
 }

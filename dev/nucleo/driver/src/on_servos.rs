@@ -3,9 +3,9 @@
 //! The machine stops as soon as what it says has left; then the servos hear it, at the time at which it left. What they
 //! say is told to the machine from the time on at which it begins. So neither is ahead of what it hears.
 
-use sinew_servo_sim::line::{Line, Wired};
+use sinew_servo_sim::line::{Line, LineDevice};
 
-use crate::machine::{Heard, Machine, MachineError, Port};
+use crate::machine::{Machine, MachineError, MachineEvent, Port};
 
 /// So far off its rate a port still talks with one of that rate, parts per thousand.
 const RATE_PERMILLE: u32 = 20;
@@ -27,17 +27,17 @@ pub struct Burst {
 
 /// What happened while it ran.
 #[derive(Debug, Default)]
-pub struct Happened {
+pub struct RunLog {
     /// What went over the bus.
     pub bus: Vec<Burst>,
     /// What the board said on its link.
     pub link: Vec<u8>,
     /// All else.
-    pub other: Vec<Heard>,
+    pub other: Vec<MachineEvent>,
 }
 
 /// A board, and servos on its bus.
-pub struct OnServos<W> {
+pub struct BoardOnServos<W> {
     /// The board.
     pub machine: Machine,
     /// The bus of the servos; their time is the board's, but for `began_ns`.
@@ -48,7 +48,7 @@ pub struct OnServos<W> {
     at_ns: u64,
 }
 
-impl<W: Wired> OnServos<W> {
+impl<W: LineDevice> BoardOnServos<W> {
     /// Servos at a board that stands at `at_ns`, whose time begins now. `baud`: at which they listen.
     pub fn new(machine: Machine, line: Line<W>, baud: u32, at_ns: u64) -> Self {
         Self { machine, line, began_ns: at_ns, baud, at_ns }
@@ -63,8 +63,8 @@ impl<W: Wired> OnServos<W> {
     ///
     /// # Errors
     /// [`MachineError`].
-    pub fn run_until(&mut self, to_ns: u64) -> Result<Happened, MachineError> {
-        let mut happened = Happened::default();
+    pub fn run_until(&mut self, to_ns: u64) -> Result<RunLog, MachineError> {
+        let mut happened = RunLog::default();
         while self.at_ns < to_ns {
             let speaks_ns = self.line.next_ns().map(|at_ns| at_ns + self.began_ns);
             let next_ns = speaks_ns.map_or(to_ns, |at_ns| at_ns.clamp(self.at_ns + 1, to_ns));
@@ -72,11 +72,11 @@ impl<W: Wired> OnServos<W> {
             self.at_ns = stopped.at_ns;
             for heard in stopped.heard {
                 match heard {
-                    Heard::Bus { end_ns, baud, bytes } => {
+                    MachineEvent::Bus { end_ns, baud, bytes } => {
                         self.hear(end_ns, baud, &bytes);
                         happened.bus.push(Burst { is_own: true, end_ns, bytes });
                     }
-                    Heard::Link(_, bytes) => happened.link.extend(bytes),
+                    MachineEvent::Link(_, bytes) => happened.link.extend(bytes),
                     other => happened.other.push(other),
                 }
             }
@@ -97,7 +97,7 @@ impl<W: Wired> OnServos<W> {
     }
 
     /// Servos say what is due: the machine hears it from now on.
-    fn answer(&mut self, happened: &mut Happened) -> Result<(), MachineError> {
+    fn answer(&mut self, happened: &mut RunLog) -> Result<(), MachineError> {
         let now_ns = self.at_ns - self.began_ns;
         // What the board says now is heard when all of it has left, and begins before: until then servos stay behind.
         self.line.run_until(now_ns.saturating_sub(BURST_NS));

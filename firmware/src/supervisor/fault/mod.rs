@@ -6,7 +6,7 @@ mod record;
 mod row;
 mod set;
 mod table;
-mod words;
+mod text;
 
 pub use findings::Findings;
 pub use log::FaultLog;

@@ -43,7 +43,7 @@ proptest! {
         let mut stand = Stand::new(kind, Start::default());
         stand.controller.load_show(Some(show(kind, 0))).unwrap();
         stand.live.0 = Some(live);
-        stand.jog = Some(Jog { freedom: 1, speed });
+        stand.jog = Some(Jog { dof: 1, speed });
         stand.bench.faults = fault::random(seed, damages, SERVOS, 10.0);
         stand.run(0.5);
         let mut is_armed = false;
@@ -62,10 +62,10 @@ proptest! {
                 });
                 prop_assert!(!refused);
                 let (q, qd) = stand.controller.commanded();
-                for ((q, qd), freedom) in q.iter().zip(qd).zip(figure(kind).board.freedoms()) {
-                    let [least, most] = freedom.range;
+                for ((q, qd), dof) in q.iter().zip(qd).zip(figure(kind).board.dofs()) {
+                    let [least, most] = dof.range;
                     prop_assert!((least..=most).contains(q));
-                    prop_assert!(qd.abs() <= freedom.speed * 1.001);
+                    prop_assert!(qd.abs() <= dof.speed * 1.001);
                 }
                 // Goal current (102), mA: as the drives' setting has it.
                 for servo in stand.bench.servos() {

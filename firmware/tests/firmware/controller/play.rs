@@ -33,10 +33,10 @@ pub(crate) fn perform(kind: Kind) -> Seen {
         let report = stand.controller.report();
         assert!(report.raised.is_empty(), "{report:?}");
         let (q, _) = stand.controller.commanded();
-        for ((now, before), freedom) in q.iter().zip(&before).zip(figure(kind).board.freedoms()) {
+        for ((now, before), dof) in q.iter().zip(&before).zip(figure(kind).board.dofs()) {
             let now: f32 = *now;
             let soft = matches!(report.state, State::Arming | State::Lowering);
-            let most = if soft { SOFT_MOST_RAD_S } else { freedom.speed };
+            let most = if soft { SOFT_MOST_RAD_S } else { dof.speed };
             let moved = (now - before) / dt_s;
             let is_on = was_on && stand.controller.permission().torque;
             assert!(!is_on || f32::abs(moved) <= most + 1e-3, "{moved} rad/s in {}", report.state);
@@ -162,7 +162,7 @@ fn another_show_while_one_plays_holds_the_rig() {
 fn a_jog_that_is_no_number_is_a_fault() {
     for speed in [f32::NAN, f32::INFINITY] {
         let mut stand = holding();
-        stand.jog = Some(Jog { freedom: 0, speed });
+        stand.jog = Some(Jog { dof: 0, speed });
         stand.tick(Some(Command::Play(Feed::Jog)));
         assert!(stand.controller.report().raised.contains(Fault::NotFinite));
         assert_eq!((stand.state(), stand.servos_on()), (State::Faulted, 0));

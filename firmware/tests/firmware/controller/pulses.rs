@@ -1,6 +1,6 @@
 //! Hobby servos tell nothing: after a stop they are armed where they were last sent.
 
-use sinew_firmware::controller::{Controller, Inputs, ServoSetup, Start};
+use sinew_firmware::controller::{Inputs, MotionController, ServoSetup, Start};
 use sinew_firmware::drives::{DriveSettings, TargetSettings};
 use sinew_firmware::supervisor::{Command, Feed, State};
 use sinew_rig::board::BoardRig;
@@ -14,7 +14,7 @@ type Face = BoardRig<16, 16, 16>;
 
 /// A face, and its chip.
 struct Stand<'f> {
-    controller: Controller<'f, 16, 16, 16, 16>,
+    controller: MotionController<'f, 16, 16, 16, 16>,
     bus: Bus,
     chip: Device,
     live: Live,
@@ -54,7 +54,7 @@ impl<'f> Stand<'f> {
         let servo = ServoSetup { drive, ..like };
         let servos = vec![servo; channels.len()];
         let controller =
-            Controller::new(face, &settings, &servos, &schedule, Start::default()).unwrap();
+            MotionController::new(face, &settings, &servos, &schedule, Start::default()).unwrap();
         let bus = Bus::new(&channels, prescale, timing.baud).unwrap();
         Self { controller, bus, chip, live: Live::default(), ticks: 0 }
     }
@@ -105,10 +105,10 @@ fn after_a_stop_the_first_pulses_are_the_last_ones() {
     let home = stand.arm().pop().unwrap();
 
     // Every joint far from home, within its range: farther than a servo turns in a tick.
-    let away = face.freedoms().iter().map(|freedom| {
-        let [least, most] = freedom.range;
-        let end = if freedom.home < 0.5 * (least + most) { most } else { least };
-        freedom.home + 0.9 * (end - freedom.home)
+    let away = face.dofs().iter().map(|dof| {
+        let [least, most] = dof.range;
+        let end = if dof.home < 0.5 * (least + most) { most } else { least };
+        dof.home + 0.9 * (end - dof.home)
     });
     stand.live = Live(Some(away.collect()));
     assert_eq!(stand.tick(Some(Command::Play(Feed::Live))), State::Playing);
@@ -125,7 +125,7 @@ fn after_a_stop_the_first_pulses_are_the_last_ones() {
     assert!(!again.is_empty() && again.iter().all(|pulses| *pulses == last), "{last:?}, {again:?}");
 
     // In the middle of a way, too; one count of the chip is 4.9 us, and a path is no whole number of them.
-    stand.live = Live(Some(face.freedoms().iter().map(|freedom| freedom.home).collect()));
+    stand.live = Live(Some(face.dofs().iter().map(|dof| dof.home).collect()));
     stand.tick(Some(Command::Play(Feed::Live)));
     let on_the_way = (0..500).find_map(|_| {
         stand.tick(None);

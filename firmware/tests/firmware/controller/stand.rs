@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use sinew_firmware::controller::{
-    Controller, Incomplete, Inputs, Jog, LiveSource, Start, Wire, exchange,
+    Incomplete, Inputs, Jog, LiveSource, MotionController, Start, Wire, exchange,
 };
 use sinew_firmware::supervisor::{Command, FaultSet, Refused, State};
 use sinew_firmware::watchdog::Complete;
@@ -13,7 +13,7 @@ use sinew_rig::board::BoardRig;
 use sinew_rig::new;
 use sinew_servo_bus::dynamixel::table::{MODELS, Table};
 use sinew_servo_bus::feetech::Family;
-use sinew_servo_bus::settings::{self, Demand, Setting};
+use sinew_servo_bus::settings::{self, ServoRequirements, Setting};
 use sinew_servo_bus::{
     Command as BusCommand, CommandError, Compared, Effort, EncodeError, Feedback, Health, Limit,
     Request, ServoBus,
@@ -25,7 +25,7 @@ use sinew_servo_sim::rig::{RigServo, servos};
 use sinew_servo_sim::supply::Supply;
 
 pub(crate) type Board = BoardRig<8, 8, 8>;
-type Loop = Controller<'static, 8, 8, 8, 8>;
+type Loop = MotionController<'static, 8, 8, 8, 8>;
 
 /// The arm's compact form, and its servos.
 pub(crate) struct Figure {
@@ -102,7 +102,7 @@ impl ServoBus for Bus {
     fn reply(&mut self, bytes: &[u8]) -> bool {
         self.own.reply(bytes)
     }
-    fn compare(&mut self, asked: Option<(usize, Demand)>) {
+    fn compare(&mut self, asked: Option<(usize, ServoRequirements)>) {
         self.own.compare(asked);
     }
     fn compared(&self) -> Compared {
@@ -207,9 +207,14 @@ impl Stand {
         let figure = figure(kind);
         let parts = setup(kind);
         let bench = bench(kind, &parts);
-        let controller =
-            Controller::new(&figure.board, &parts.settings, &parts.servos, &parts.schedule, start)
-                .unwrap();
+        let controller = MotionController::new(
+            &figure.board,
+            &parts.settings,
+            &parts.servos,
+            &parts.schedule,
+            start,
+        )
+        .unwrap();
         Self {
             kind,
             controller,
@@ -351,8 +356,8 @@ pub(crate) fn bench(kind: Kind, parts: &Parts) -> Bench<'static, Vec<Arm>> {
         servo.place(own.home_rad);
         simulated.push(servo);
         // The joint has stops at its ends: one servo turns it, one to one.
-        let freedom = figure.board.freedoms()[arms.len()];
-        let stops_rad = freedom.range.map(|end| own.home_rad + f64::from(end - freedom.home));
+        let dof = figure.board.dofs()[arms.len()];
+        let stops_rad = dof.range.map(|end| own.home_rad + f64::from(end - dof.home));
         arms.push(Arm { stops_rad, ..own.load });
     }
     let voltage_v = figure.servos[0].kind.voltage_v;

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
 use sinew_firmware::controller::Start;
-use sinew_firmware::node::{Control, NodeSettings};
+use sinew_firmware::node::{ControlLoop, NodeSettings};
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{Command, Feed, Operator, Outcome, ToController};
 use sinew_servo_sim::fault::{Fault, FaultKind};
@@ -33,7 +33,8 @@ pub(crate) fn settings(bytes: &[u8]) -> bool {
 /// A start with these settings, as `world::boot` has it.
 fn start(settings: &NodeSettings) {
     let (rig, parts, start) = (&figure(KIND).board, setup(KIND), Start::default());
-    let control = Control::<8, 8, 8, 8>::new(rig, settings, &parts.servos, &parts.schedule, start);
+    let control =
+        ControlLoop::<8, 8, 8, 8>::new(rig, settings, &parts.servos, &parts.schedule, start);
     control.expect("they were checked");
 }
 

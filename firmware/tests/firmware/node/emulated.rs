@@ -10,7 +10,7 @@ use sinew_firmware::controller::Wire;
 use sinew_firmware::supervisor::{Fault, FaultSet, State};
 use sinew_link::message::{Command, Feed, Kind as ItemKind, Parts, TelemetrySetting};
 use sinew_qemu_node::built_in::BuiltIn;
-use sinew_qemu_node::message::{Bytes, End, LINE_AT_ONCE, OfLoop, Packets, ToHost, ToNode};
+use sinew_qemu_node::message::{Bytes, End, LINE_AT_ONCE, LoopMessage, Packets, ToHost, ToNode};
 use sinew_qemu_node::node::{self, FLASH_LEN};
 
 use super::hardware::Servos;
@@ -150,7 +150,7 @@ impl Emulated {
             ToHost::Ticked(Some(of_loop)) => of_loop,
             other => panic!("{other:?} behind an exchange"),
         };
-        let OfLoop { is_fed, outputs, state, faults, commanded: numbers } = of_loop;
+        let LoopMessage { is_fed, outputs, state, faults, commanded: numbers } = of_loop;
         assert!(is_fed, "a tick was not whole");
         pins.fed += 1;
         pins.outputs = outputs;

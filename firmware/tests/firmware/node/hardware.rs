@@ -105,13 +105,13 @@ impl Safety for Pins {
 }
 
 /// Line and memory-mapped flash.
-pub(crate) struct Desktop<'w> {
+pub(crate) struct HostPort<'w> {
     pub(crate) now_us: u64,
     pub(crate) host: &'w mut Host,
     pub(crate) chip: &'w Chip,
 }
 
-impl Port<'static> for Desktop<'_> {
+impl Port<'static> for HostPort<'_> {
     fn now_us(&self) -> u64 {
         self.now_us
     }

@@ -1,7 +1,7 @@
 //! Servos that are at once where they are commanded: for hours of a show in seconds.
 
 use sinew_firmware::controller::Wire;
-use sinew_servo_bus::settings::Demand;
+use sinew_servo_bus::settings::ServoRequirements;
 use sinew_servo_bus::{
     Command, CommandError, Compared, Effort, EncodeError, Feedback, Health, Limit, Request,
     ServoBus,
@@ -37,7 +37,7 @@ impl ServoBus for Ideal {
     fn reply(&mut self, _: &[u8]) -> bool {
         true
     }
-    fn compare(&mut self, _: Option<(usize, Demand)>) {}
+    fn compare(&mut self, _: Option<(usize, ServoRequirements)>) {}
     fn compared(&self) -> Compared {
         Compared::Nothing
     }

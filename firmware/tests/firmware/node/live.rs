@@ -44,9 +44,9 @@ fn a_stream_with_jitter_and_loss_moves_smoothly() {
         let (q, qd) = control.controller().commanded();
         let is_on = control.controller().permission().torque;
         if let (true, Some((q_before, qd_before))) = (is_on, &before) {
-            for (joint, freedom) in figure.board.freedoms().iter().enumerate() {
-                let step = (q[joint] - q_before[joint]).abs() / dt_s / freedom.speed;
-                let change = (qd[joint] - qd_before[joint]).abs() / dt_s / freedom.acceleration;
+            for (joint, dof) in figure.board.dofs().iter().enumerate() {
+                let step = (q[joint] - q_before[joint]).abs() / dt_s / dof.speed;
+                let change = (qd[joint] - qd_before[joint]).abs() / dt_s / dof.acceleration;
                 (most_step, most_change) = (most_step.max(step), most_change.max(change));
             }
         }

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use sinew_firmware::node::{Control, Desk, Mail, Next, NodeSettings, Setup, start};
+use sinew_firmware::node::{BackgroundTask, ControlLoop, Mail, Next, NodeSettings, Setup, start};
 use sinew_firmware::supervisor::{Fault, FaultSet, State};
 use sinew_link::message::{Applied, Command, Item, Kind as ItemKind, Outcome, Refusal};
 use sinew_qemu_node::node::{ABOUT, LINE_BPS, RIG_ROOM, commanded, first_session};
@@ -10,7 +10,7 @@ use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::load::Arm;
 
 use super::emulated::Emulated;
-use super::hardware::{Chip, Desktop, Locked, Pins, Servos, TABLE};
+use super::hardware::{Chip, HostPort, Locked, Pins, Servos, TABLE};
 use super::host::{Host, next_of_upload};
 use super::ideal::{Ideal, NoServos};
 use super::line::Trouble;
@@ -18,12 +18,12 @@ use super::stand::{Bus, HASH_BEGIN, Kind, bench, figure, hash_of, setup};
 use super::stored::{item, rig};
 use super::told::Told;
 
-type Loop = Control<'static, 8, 8, 8, 8>;
+type Loop = ControlLoop<'static, 8, 8, 8, 8>;
 
 /// The board from one power-on to the next.
 pub(crate) struct Board {
     pub(crate) control: Option<(Loop, Bus)>,
-    pub(crate) desk: Desk<'static, Chip, 8, 8, 8, 8>,
+    pub(crate) desk: BackgroundTask<'static, Chip, 8, 8, 8, 8>,
     pub(crate) mail: Locked,
 }
 
@@ -66,7 +66,8 @@ fn boot(kind: Kind, chip: &Chip, first_session: u16, causes: FaultSet) -> Option
     let (tick_s, line_bps) = (1e-6 * parts.schedule.tick_us() as f32, LINE_BPS);
     let control = rig.and_then(|(rig, _)| {
         let (settings, start) = (&found.settings, found.start);
-        let control = Control::new(rig, settings, &parts.servos, &parts.schedule, start).ok()?;
+        let control =
+            ControlLoop::new(rig, settings, &parts.servos, &parts.schedule, start).ok()?;
         Some((control, parts.bus.into()))
     });
     let rig = rig.filter(|_| control.is_some());
@@ -74,7 +75,7 @@ fn boot(kind: Kind, chip: &Chip, first_session: u16, causes: FaultSet) -> Option
     let setup = Setup { about: ABOUT, settings, is_bad, rig, tick_s, line_bps };
     Some(Board {
         control,
-        desk: Desk::new(found.store, setup, first_session),
+        desk: BackgroundTask::new(found.store, setup, first_session),
         mail: Locked(RefCell::new(Mail::new(found.disarmed))),
     })
 }
@@ -234,7 +235,7 @@ impl World {
         }
         for _ in 0..self.steps {
             let Self { host, chip, board, .. } = self;
-            let mut port = Desktop {
+            let mut port = HostPort {
                 now_us: self.ticks * u64::from(1_000_000 / self.kind.rate_hz()),
                 host,
                 chip,
@@ -254,10 +255,10 @@ impl World {
         assert_eq!(report.state.is_on(), controller.permission().torque);
         assert_eq!(self.pins.outputs, controller.permission().torque);
         let (q, qd) = controller.commanded();
-        for ((q, qd), freedom) in q.iter().zip(qd).zip(figure(self.kind).board.freedoms()) {
-            let [least, most] = freedom.range;
+        for ((q, qd), dof) in q.iter().zip(qd).zip(figure(self.kind).board.dofs()) {
+            let [least, most] = dof.range;
             assert!((least..=most).contains(q), "{q}");
-            assert!(qd.abs() <= freedom.speed * 1.001, "{qd}");
+            assert!(qd.abs() <= dof.speed * 1.001, "{qd}");
         }
     }
 

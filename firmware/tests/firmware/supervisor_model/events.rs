@@ -48,7 +48,7 @@ impl Events {
                 let is = |bit: u32| bits >> bit & 1 == 1;
                 // What arming asks for is all there, or one of it is missing.
                 let missing = [bits >> 2 & 1, bits >> 9 & 1];
-                let moving = Moving { freedom: 0, mrad_s: 500, most_mrad_s: 349 };
+                let moving = Moving { dof: 0, mrad_s: 500, most_mrad_s: 349 };
                 situations.push(Event {
                     command: None,
                     present,

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use sinew_host_util::command::print;
 use sinew_link::message::Command;
 
-use super::{BoardPort, remedy, words::told};
+use super::{BoardPort, remedy, text::told};
 
 /// Print the faults that a board has stored, each with what to do; or clear them.
 ///

@@ -10,20 +10,20 @@ mod port;
 mod settings;
 #[cfg(unix)]
 mod simulate;
+mod text;
 mod upload;
-mod words;
 
 pub(super) use arm::{READY, arm, check_rig};
 pub(super) use port::{PortBoard, open};
+pub(super) use text::{named, tell_faults};
 pub(super) use upload::{put, put_show};
-pub(super) use words::{named, tell_faults};
 
 use std::process::ExitCode;
 
 use clap::{Args, Subcommand};
 
 use port::BoardPort;
-use words::remedy;
+use text::remedy;
 
 /// A controller board: flash it, bring it a rig and shows, watch it, read its faults; or simulate one.
 ///

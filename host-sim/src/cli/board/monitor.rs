@@ -45,7 +45,7 @@ pub(super) fn run(args: &MonitorArgs) -> anyhow::Result<ExitCode> {
     while stop.times() == 0 && args.samples.is_none_or(|most| lines < most) {
         board.step(Duration::from_millis(50))?;
         for fault in board.seen.faults.iter().skip(faults) {
-            print(&format!("{}\n", super::words::told(fault)))?;
+            print(&format!("{}\n", super::text::told(fault)))?;
         }
         faults = board.seen.faults.len();
         let Some(summary) = board.seen.summary else { continue };

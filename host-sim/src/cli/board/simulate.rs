@@ -113,8 +113,8 @@ fn serve(args: &SimulateArgs) -> anyhow::Result<ExitCode> {
         was_led = is_led;
         // Before its way it holds the beginning, behind it the end.
         let way_us = now_us - begun_us.unwrap_or(now_us);
-        hand.hold(1e-6 * way_us as f64, |freedom, hand| {
-            board.lead(freedom, hand);
+        hand.hold(1e-6 * way_us as f64, |dof, hand| {
+            board.lead(dof, hand);
         });
     })?;
     Ok(ExitCode::SUCCESS)

@@ -9,7 +9,7 @@ use sinew_board_client::{Board, item, nonce};
 use sinew_firmware::node::RIG_SCHEMA;
 use sinew_host_util::command::{note, print};
 use sinew_link::message::Kind;
-use sinew_nucleo::{EmulatedBoard, Machine, OnServos};
+use sinew_nucleo::{BoardOnServos, EmulatedBoard, Machine};
 use sinew_performance::play::{Line, Memory, Parts};
 use sinew_performance::rig::Loaded;
 use sinew_servo_sim::device::MEMORY_LEN;
@@ -66,7 +66,7 @@ pub(super) fn perform(
     let Line { baud, .. } = *line;
     let mut machine = Machine::start(tool, image, None)?;
     machine.pin(E_STOP, true)?;
-    let board = EmulatedBoard::new(OnServos::new(machine, servos, baud, 0));
+    let board = EmulatedBoard::new(BoardOnServos::new(machine, servos, baud, 0));
     let mut board = Board::connect(board, nonce(), STARTS)?;
     let stored = parts.board_rig().map_err(anyhow::Error::msg)?;
     put(&mut board, &item(Kind::Rig, RIG_SCHEMA, &stored, 0, "sinew play")?, &stored)?;

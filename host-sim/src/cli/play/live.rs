@@ -49,7 +49,7 @@ impl Live {
             self.tell(format_args!(
                 "{:7.2} s  waits until the rig rests: {} at {now:.2} rad/s, at most {most:.2}",
                 stand.time_s(),
-                stand.parts.names[usize::from(moving.freedom)],
+                stand.parts.names[usize::from(moving.dof)],
             ));
         }
         for fault in report.raised.iter() {
@@ -97,7 +97,7 @@ impl Live {
         // Of servos that tell nothing that of the simulated rig.
         let simulated = stand.simulated_errors();
         let error = |joint: usize| {
-            if parts.tells_nothing(joint) { simulated[joint] } else { report.freedoms[joint].error }
+            if parts.tells_nothing(joint) { simulated[joint] } else { report.dofs[joint].error }
         };
         let size = |joint: &usize| error(*joint).abs();
         worst.sort_by(|a, b| size(b).total_cmp(&size(a)));
@@ -110,7 +110,7 @@ impl Live {
 
 fn line(stand: &Stand<'_, RigPlant>, joint: usize, error: f32) -> String {
     let parts = stand.parts;
-    let freedom = stand.report().freedoms[joint];
+    let dof = stand.report().dofs[joint];
     let servo = parts.first_servo[joint].unwrap_or_default();
     let told = &stand.report().servos[servo];
     let number = |number: Option<f32>, digits: usize| {
@@ -120,7 +120,7 @@ fn line(stand: &Stand<'_, RigPlant>, joint: usize, error: f32) -> String {
         "\n  {:<20} {:>9.2} {:>10.3} {:>9} {:>7}  {}",
         parts.names[joint],
         error.to_degrees(),
-        freedom.effort,
+        dof.effort,
         number(stand.current_a(servo), 2),
         number(told.temperature_c, 0),
         stand.limiter(joint).unwrap_or_default()

@@ -100,10 +100,10 @@ fn json(name: &str, notes: &[String], review: &Review) -> anyhow::Result<String>
 
 fn words(name: &str, mechanism: &sinew_rig::Mechanism, review: &Review) -> String {
     let mut out = String::new();
-    let Review { mass_kg, bodies, freedoms, .. } = review;
+    let Review { mass_kg, bodies, dofs, .. } = review;
     let mut line =
         |text: std::fmt::Arguments<'_>| writeln!(out, "{text}").expect("a string takes everything");
-    line(format_args!("{name}: {bodies} bodies, {freedoms} degrees of freedom, {mass_kg:.3} kg\n"));
+    line(format_args!("{name}: {bodies} bodies, {dofs} degrees of freedom, {mass_kg:.3} kg\n"));
     line(format_args!("{}\n", tree(mechanism)));
     line(format_args!(
         "Gravity: the most that it asks of the joint in any pose within the ranges (found by a search).\n\
@@ -149,8 +149,8 @@ fn tree(mechanism: &sinew_rig::Mechanism) -> Table {
     table
 }
 
-fn kind(joint: sinew_rig::mechanism::Freedom) -> &'static str {
-    use sinew_rig::mechanism::Freedom as F;
+fn kind(joint: sinew_rig::mechanism::JointModel) -> &'static str {
+    use sinew_rig::mechanism::JointModel as F;
     match joint {
         F::Fixed => "fixed",
         F::Revolute(_) => "revolute",
@@ -177,23 +177,23 @@ fn joints(review: &Review) -> Table {
         ],
         [1, 2, 3, 5, 6, 7, 8, 9],
     );
-    for freedom in &review.by_freedom {
-        let servo = freedom.servo.as_ref();
-        let limit = freedom.effort_limit.map(|limit| format!("{limit:.3}*"));
-        let unit = if freedom.slides { "N" } else { "N m" };
+    for dof in &review.by_dof {
+        let servo = dof.servo.as_ref();
+        let limit = dof.effort_limit.map(|limit| format!("{limit:.3}*"));
+        let unit = if dof.slides { "N" } else { "N m" };
         let speed = servo.map(|servo| format!("{:.2}", servo.no_load_speed));
-        let speed = speed.or(freedom.speed_limit.map(|speed| format!("{speed:.2}*")));
+        let speed = speed.or(dof.speed_limit.map(|speed| format!("{speed:.2}*")));
         table.add_row([
-            freedom.name.clone(),
-            format!("{:.3}", freedom.gravity_effort),
+            dof.name.clone(),
+            format!("{:.3}", dof.gravity_effort),
             servo.map(|servo| format!("{:.3}", servo.continuous)).or(limit).unwrap_or_default(),
             servo.map(|servo| format!("{:.3}", servo.stall)).unwrap_or_default(),
             unit.to_owned(),
             speed.unwrap_or_default(),
-            format!("{:.2e}", freedom.inertia),
-            format!("{:.1e}", freedom.rotor_inertia),
-            format!("{:.3}", freedom.stable_stiffness),
-            freedom.resolution_mm.map(|mm| format!("{mm:.2}")).unwrap_or_default(),
+            format!("{:.2e}", dof.inertia),
+            format!("{:.1e}", dof.rotor_inertia),
+            format!("{:.3}", dof.stable_stiffness),
+            dof.resolution_mm.map(|mm| format!("{mm:.2}")).unwrap_or_default(),
         ]);
     }
     table

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use sinew_host_util::command::print;
-use sinew_performance::rig::{freedom_names, inverse_dynamics};
+use sinew_performance::rig::{dof_names, inverse_dynamics};
 
 use super::read_as;
 use crate::cli::told::ToldArgs;
@@ -38,7 +38,7 @@ pub(super) struct DynamicsArgs {
 pub(super) fn run(args: &DynamicsArgs) -> anyhow::Result<ExitCode> {
     let loaded = read_as(&args.rig, &args.told.import())?;
     if args.header {
-        print(&format!("{}\n", freedom_names(&loaded.mechanism).join(",")))?;
+        print(&format!("{}\n", dof_names(&loaded.mechanism).join(",")))?;
     } else {
         print(&inverse_dynamics(&loaded.mechanism, args.rotor, io::stdin().lock())?)?;
     }

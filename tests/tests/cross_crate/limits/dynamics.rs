@@ -1,7 +1,7 @@
 //! Kinematics, inverse and forward dynamics and the mass matrix of rigs with joints of all kinds.
 
 use sinew_core::dynamics::{
-    ArticulatedBody, CompositeBody, degrees_of_freedom, forward_dynamics, mass_matrix,
+    ArticulatedBody, CompositeBody, dof_count, forward_dynamics, mass_matrix,
 };
 use sinew_core::glam::{DVec3, Vec3};
 use sinew_core::{JointState, Twist};
@@ -93,7 +93,7 @@ fn torques(sides: &Sides, table: &mut Table) {
 
 fn matrix(sides: &Sides, table: &mut Table) {
     let bodies = sides.rig.tree.bodies();
-    let mut got = vec![0.0; degrees_of_freedom(bodies).pow(2)];
+    let mut got = vec![0.0; dof_count(bodies).pow(2)];
     let mut scratch = vec![CompositeBody::default(); bodies.len()];
     let size = mass_matrix(bodies, &sides.states, &mut scratch, &mut got);
     let Rounded { links, joints } = &sides.rounded;

@@ -6,7 +6,7 @@ use sinew_core::control::Gains;
 use sinew_core::state_error::{
     Aim, AimStatus, Aims, Compensation, Method, StateError, linear_compensation, local, world,
 };
-use sinew_core::{Controller, JointTargets, Twist, Workspace};
+use sinew_core::{JointTargets, TorqueController, Twist, Workspace};
 use sinew_tests::rig::{CAPACITY, Rig};
 use sinew_verification::rounding::{
     Compensated, Difference, Joint, Motion, Number, State, Vector, turn_error,
@@ -156,7 +156,7 @@ fn tick(
     let local = matches!(method, Method::Local);
     let rig = &pair.measured.sides.rig;
     let gains = Gains::new(GAINS[0], GAINS[1]).expect("gains are positive");
-    let controller = Controller::new(rig.tree.clone(), gains, method)
+    let controller = TorqueController::new(rig.tree.clone(), gains, method)
         .and_then(|controller| controller.with_gravity(GRAVITY_M_S2))
         .expect("a figure has no joint that a method cannot do");
     let mut targets = JointTargets::rest(&rig.tree);

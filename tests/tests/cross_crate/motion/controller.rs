@@ -8,7 +8,7 @@ use sinew_core::glam::{Quat, Vec3};
 use sinew_core::projection::BodyWeights;
 use sinew_core::state_error::{Aims, Compensation, Method, References, StateError};
 use sinew_core::{
-    Controller, JointKind, JointState, JointStates, JointTargets, Transform, Tree, Twist,
+    JointKind, JointState, JointStates, JointTargets, TorqueController, Transform, Tree, Twist,
     Workspace, Wrench,
 };
 use sinew_tests::property;
@@ -105,7 +105,7 @@ proptest! {
                 ControlLaw::ProportionalDerivative => methods(&rig.tree).into(),
             };
             for method in methods {
-                let free = Controller::new(rig.tree.clone(), gains(), method.clone())
+                let free = TorqueController::new(rig.tree.clone(), gains(), method.clone())
                     .and_then(|controller| controller.with_gravity(Vec3::from_array(gravity)))
                     .and_then(|controller| controller.with_law(law))
                     .expect("good settings");
@@ -142,7 +142,7 @@ proptest! {
             .iter()
             .map(|w| Wrench::new(Vec3::new(w[0], w[1], w[2]), Vec3::new(w[3], w[4], w[5])))
             .collect();
-        let controller = Controller::new(rig.tree.clone(), gains(), Method::World).expect("good settings");
+        let controller = TorqueController::new(rig.tree.clone(), gains(), Method::World).expect("good settings");
         let mut workspace = Workspace::resolving();
         prop_assert!(finite(controller.tick(&mut targets(&rig), &rig.states(), &external, &mut workspace)));
     }
@@ -157,7 +157,7 @@ proptest! {
             negated.set(joint, JointState { pose, ..state }).expect("as good");
         }
         for method in methods_of_inverse_dynamics(&desired.tree) {
-            let controller = Controller::new(desired.tree.clone(), gains(), method).expect("good settings");
+            let controller = TorqueController::new(desired.tree.clone(), gains(), method).expect("good settings");
             let (mut one, mut other) = (Workspace::resolving(), Workspace::resolving());
             let mut targets = targets(&desired);
             let torques = controller.tick(&mut targets, &states, &[], &mut one);
@@ -188,7 +188,7 @@ proptest! {
             .sum();
         let allowed = 1e-5 * largest + 200.0 * 1.2e-7 * inertia;
         for method in methods_of_inverse_dynamics(&rig.tree) {
-            let controller = Controller::new(rig.tree.clone(), gains(), method).expect("good settings");
+            let controller = TorqueController::new(rig.tree.clone(), gains(), method).expect("good settings");
             let mut workspace = Workspace::resolving();
             let torques = controller.tick(&mut targets, &measured, &[], &mut workspace);
             prop_assert_eq!(torques.len(), count);
@@ -217,7 +217,7 @@ proptest! {
         let (states, mut used) = (measured.states(), targets(&desired));
         for (own, of_star) in methods(&desired.tree).into_iter().zip(methods(&star)) {
             for (tree, method) in [(&desired.tree, &own), (&star, &of_star), (&desired.tree, &own)] {
-                let controller = Controller::new(tree.clone(), gains(), method.clone()).expect("a good controller");
+                let controller = TorqueController::new(tree.clone(), gains(), method.clone()).expect("a good controller");
                 let tick = |targets: &mut JointTargets<CAPACITY>| {
                     controller.tick(targets, &states, &[], &mut Workspace::resolving()).to_vec()
                 };
@@ -232,7 +232,7 @@ proptest! {
         rig in prop_oneof![rigs(16, Joints::Mixed), rigs(16, Joints::Figure)],
     ) {
         let controllers = methods_of_inverse_dynamics(&rig.tree).into_iter().map(|method| {
-            Controller::new(rig.tree.clone(), gains(), method).expect("a good controller")
+            TorqueController::new(rig.tree.clone(), gains(), method).expect("a good controller")
         });
         let controllers: Vec<_> = controllers.collect();
         // At rest, so that there is an error.
@@ -260,7 +260,7 @@ proptest! {
         for method in methods(tree) {
             // Without inverse dynamics no joint's torque depends on another's gains.
             let tick = |uniform: Gains, by_joint: Option<&[Gains]>| {
-                let mut controller = Controller::new(tree.clone(), uniform, method.clone())
+                let mut controller = TorqueController::new(tree.clone(), uniform, method.clone())
                     .and_then(|controller| controller.with_law(ControlLaw::ProportionalDerivative))
                     .expect("good settings");
                 if let Some(gains) = by_joint {
@@ -280,7 +280,7 @@ proptest! {
     fn torques_of_one_generation_are_local_and_of_all_are_world((desired, measured) in figures(18, 0.6)) {
         let (targets, states, tree) = (targets(&desired), measured.states(), &desired.tree);
         let tick = |method| {
-            let controller = Controller::new(tree.clone(), gains(), method).expect("good settings");
+            let controller = TorqueController::new(tree.clone(), gains(), method).expect("good settings");
             controller.tick(&mut targets.clone(), &states, &[], &mut Workspace::resolving()).to_vec()
         };
         let generations = |count| tick(Method::Accumulated(References::generations(tree, count)));
@@ -308,7 +308,7 @@ proptest! {
             targets.set_velocity(joint, Twist::ZERO).expect("a joint of the tree");
         }
         let mut workspace = Workspace::resolving();
-        let controller = Controller::new(tree.clone(), gains(), Method::World).expect("good settings");
+        let controller = TorqueController::new(tree.clone(), gains(), Method::World).expect("good settings");
         controller.tick(&mut targets, &states, &[], &mut workspace);
         let mut errors = vec![StateError::ZERO; tree.len()];
         controller.errors(&mut targets, &states, &mut workspace, &mut errors);
@@ -336,7 +336,7 @@ proptest! {
         targets.set(0, root, Twist::ZERO).expect("a good state");
         for (on_fixed, on_free) in methods(&fixed).into_iter().zip(methods(free)) {
             let tick = |tree: &Tree<CAPACITY>, method, workspace: &mut Workspace<CAPACITY, CAPACITY>| {
-                let controller = Controller::new(tree.clone(), gains(), method).expect("good settings");
+                let controller = TorqueController::new(tree.clone(), gains(), method).expect("good settings");
                 let controller = controller.with_law(law).expect("a law for every method");
                 let mut targets = targets.clone();
                 let torques = controller.tick(&mut targets, &states, &[], workspace).to_vec();
@@ -373,10 +373,10 @@ proptest! {
         let (targets, states, tree) = (targets(&desired), measured.states(), &desired.tree);
         let inertias = reflected_inertia(tree, &JointStates::rest(tree), OuterJoints::Free);
         for method in methods(tree) {
-            let new = || Controller::new(tree.clone(), gains(), method.clone()).expect("good settings");
+            let new = || TorqueController::new(tree.clone(), gains(), method.clone()).expect("good settings");
             let plain = new().with_law(ControlLaw::ProportionalDerivative).expect("for any law");
             let asked = plain.tick(&mut targets.clone(), &states, &[], &mut Workspace::resolving()).to_vec();
-            let weighted = new().with_pd_of_inertia(&inertias).expect("one for each");
+            let weighted = new().with_inertia_scaled_pd(&inertias).expect("one for each");
             let got = weighted.tick(&mut targets.clone(), &states, &[], &mut Workspace::resolving()).to_vec();
             for ((got, asked), inertia) in got.iter().zip(&asked).zip(&inertias) {
                 let asked = Twist::new(asked.value.moment_nm, asked.value.force_n);
@@ -390,7 +390,7 @@ proptest! {
         let (mut targets, states) = (targets(&desired), measured.states());
         let weak = gains().with_linear(3.0, 0.5).expect("good gains");
         let new = |gains| {
-            Controller::new(desired.tree.clone(), gains, Method::World)
+            TorqueController::new(desired.tree.clone(), gains, Method::World)
                 .and_then(|controller| controller.with_law(ControlLaw::ProportionalDerivative))
                 .expect("good settings")
         };
@@ -418,7 +418,8 @@ fn torque_bits<const N: usize>(rig: &Rig) -> Vec<[u32; 6]> {
     methods_of_inverse_dynamics(tree)
         .into_iter()
         .flat_map(|method| {
-            let controller = Controller::new(tree.clone(), gains(), method).expect("good settings");
+            let controller =
+                TorqueController::new(tree.clone(), gains(), method).expect("good settings");
             let mut workspace = Workspace::resolving();
             let torques = controller.tick(&mut targets, &measured, &[], &mut workspace);
             let bits = torques.iter().map(|torque| {

@@ -8,7 +8,7 @@ use sinew_core::dynamics::{BodyMotion, CompositeBody, inverse_dynamics, mass_mat
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::state_error::Method;
 use sinew_core::{
-    Body, Controller, Inertia, JointKind, JointStates, JointTargets, Transform, Tree, Twist,
+    Body, Inertia, JointKind, JointStates, JointTargets, TorqueController, Transform, Tree, Twist,
     Workspace, Wrench, math,
 };
 use sinew_tests::property;
@@ -34,7 +34,7 @@ fn efforts(rig: &Rig, qd: &[f32], qdd: &[f32]) -> Vec<f32> {
     let mut scratch = vec![BodyMotion::default(); tree.len()];
     let mut wrenches = vec![Wrench::ZERO; tree.len()];
     inverse_dynamics(tree.bodies(), joints, wanted, Vec3::ZERO, &[], &mut scratch, &mut wrenches);
-    let mut out = vec![0.0; tree.degrees_of_freedom()];
+    let mut out = vec![0.0; tree.dof_count()];
     tree.efforts(joints, &wrenches, &mut out).expect("they fit");
     out
 }
@@ -51,7 +51,7 @@ proptest! {
         let [q, qd, _] = rig.coordinates();
         let (tree, expected) = (&rig.tree, rig.states());
         prop_assert_eq!(tree.coordinate_count(), q.len());
-        prop_assert_eq!(tree.degrees_of_freedom(), qd.len());
+        prop_assert_eq!(tree.dof_count(), qd.len());
         let mut measured = JointStates::rest(tree);
         measured.set_coordinates(tree, &q, &qd).unwrap();
         prop_assert_eq!(&measured, &expected);
@@ -70,7 +70,7 @@ proptest! {
         let [mut q_back, mut qd_back, mut qdd_back] = [&q, &qd, &qdd].map(|x| vec![9.0; x.len()]);
         targets(&rig).coordinates(tree, &mut q_back, &mut qd_back, &mut qdd_back).unwrap();
         for (body, _) in tree.bodies().iter().enumerate() {
-            let (range, freedoms) = (tree.coordinates(body), tree.freedoms(body));
+            let (range, dofs) = (tree.coordinates(body), tree.dofs(body));
             let (got, expected) = (&q_back[range.clone()], &q[range]);
             let off = |sign: f32| {
                 // Both signs of a quaternion are one rotation; a position has one.
@@ -81,7 +81,7 @@ proptest! {
             let off = if quaternion { off(1.0).min(off(-1.0)) } else { off(1.0) };
             // Angles are up to 2 rad, from quaternions of f32; positions to 1 m.
             prop_assert!(off < 3e-6, "joint {body}: {got:?} {expected:?}");
-            for k in freedoms {
+            for k in dofs {
                 prop_assert!((qd_back[k] - qd[k]).abs() < 5e-6);
                 prop_assert!((qdd_back[k] - qdd[k]).abs() < 5e-5);
             }
@@ -129,12 +129,12 @@ proptest! {
         let mut back = vec![9.0; efforts.len()];
         tree.efforts(states.as_slice(), &wrenches, &mut back).unwrap();
         for (body, (wrench, state)) in wrenches.iter().zip(states.as_slice()).enumerate() {
-            let freedoms = tree.freedoms(body);
-            let by_effort: f32 = freedoms.clone().map(|k| efforts[k] * qd[k]).sum();
+            let dofs = tree.dofs(body);
+            let by_effort: f32 = dofs.clone().map(|k| efforts[k] * qd[k]).sum();
             let by_wrench = wrench.power_w(state.velocity);
             // Up to six products of 20 and 3, rounded a few times.
             prop_assert!((by_effort - by_wrench).abs() < 2e-4, "{by_effort} {by_wrench}");
-            for k in freedoms {
+            for k in dofs {
                 prop_assert!((back[k] - efforts[k]).abs() < 2e-5);
             }
         }
@@ -143,7 +143,7 @@ proptest! {
     #[test]
     fn they_are_those_of_the_mass_matrix(rig in rigs(8, Joints::Mixed)) {
         let (tree, [_, qd, qdd]) = (&rig.tree, rig.coordinates());
-        let size = tree.degrees_of_freedom();
+        let size = tree.dof_count();
         let mut matrix = vec![0.0; size * size];
         let mut scratch = vec![CompositeBody::default(); tree.len()];
         let states = rig.states();
@@ -180,7 +180,7 @@ proptest! {
         let mut wanted = targets(&desired);
         let method = [Method::Local, Method::World][method].clone();
         let limits = vec![TorqueLimit::new(most, most).unwrap(); tree.len()];
-        let controller = Controller::new(tree.clone(), Gains::new(50.0, 10.0).unwrap(), method)
+        let controller = TorqueController::new(tree.clone(), Gains::new(50.0, 10.0).unwrap(), method)
             .unwrap()
             .with_gravity(GRAVITY)
             .unwrap()
@@ -199,7 +199,7 @@ proptest! {
         prop_assert_eq!(workspace.commands().to_vec(), asked);
 
         for (body, torque) in torques.iter().enumerate() {
-            for k in tree.freedoms(body) {
+            for k in tree.dofs(body) {
                 let command = commands[k];
                 prop_assert_eq!(command.limited, torque.reason);
                 let rounding = 1e-6 * (whole[k].abs() + command.feedforward_effort.abs());
@@ -228,13 +228,13 @@ proptest! {
         let (tree, [q, qd, _]) = (&rig.tree, rig.coordinates());
         let mut wanted = targets(&rig);
         let gains = Gains::critically_damped(50.0).unwrap();
-        let controller = Controller::new(tree.clone(), gains, Method::Local).unwrap();
+        let controller = TorqueController::new(tree.clone(), gains, Method::Local).unwrap();
         let (measured, mut workspace) = (JointStates::rest(tree), Workspace::new());
         controller.tick(&mut wanted, &measured, &[], &mut workspace);
         let mut commands = vec![DofCommand::default(); qd.len()];
         controller.dof_commands(&wanted, &measured, &[], &mut workspace, &mut commands).unwrap();
         for (body, kind) in tree.bodies().iter().map(|body| body.joint).enumerate() {
-            let (position, freedoms) = (&q[tree.coordinates(body)], tree.freedoms(body));
+            let (position, dofs) = (&q[tree.coordinates(body)], tree.dofs(body));
             let expected = match kind {
                 JointKind::Spherical | JointKind::Free => {
                     let rotation = Quat::from_slice(position);
@@ -242,7 +242,7 @@ proptest! {
                 }
                 _ => position.to_vec(),
             };
-            for (k, expected) in freedoms.zip(expected) {
+            for (k, expected) in dofs.zip(expected) {
                 prop_assert!((commands[k].position - expected).abs() < 3e-6);
                 prop_assert!((commands[k].velocity - qd[k]).abs() < 5e-6);
             }
@@ -271,17 +271,17 @@ const STANDING: [f32; 5] = [0.0, 0.0, 0.0, 1.0, 0.5];
 #[test]
 fn ranges_follow_the_tree() {
     let tree = leg();
-    assert_eq!((tree.coordinate_count(), tree.degrees_of_freedom()), (5, 4));
-    assert_eq!((tree.coordinates(0), tree.freedoms(0)), (0..4, 0..3));
-    assert_eq!((tree.coordinates(1), tree.freedoms(1)), (4..5, 3..4));
+    assert_eq!((tree.coordinate_count(), tree.dof_count()), (5, 4));
+    assert_eq!((tree.coordinates(0), tree.dofs(0)), (0..4, 0..3));
+    assert_eq!((tree.coordinates(1), tree.dofs(1)), (4..5, 3..4));
     for no_body in [2, usize::MAX] {
-        assert_eq!((tree.coordinates(no_body), tree.freedoms(no_body)), (5..5, 4..4));
+        assert_eq!((tree.coordinates(no_body), tree.dofs(no_body)), (5..5, 4..4));
     }
     let mut largest = Tree::<CAPACITY>::new();
     for index in 0..CAPACITY {
         largest.push(body(index.checked_sub(1), JointKind::Free)).unwrap();
     }
-    assert_eq!((largest.coordinate_count(), largest.degrees_of_freedom()), (896, 768));
+    assert_eq!((largest.coordinate_count(), largest.dof_count()), (896, 768));
     assert_eq!(largest.coordinates(127), 889..896);
 }
 
@@ -358,7 +358,7 @@ fn slices_and_states_of_another_tree_are_refused() {
     assert_eq!(wrenches, [Wrench::ZERO; 2]);
 
     let gains = Gains::critically_damped(50.0).unwrap();
-    let controller = Controller::new(tree, gains, Method::Local).unwrap();
+    let controller = TorqueController::new(tree, gains, Method::Local).unwrap();
     let (mut commands, mut workspace) = ([DofCommand::default(); 4], Workspace::new());
     let mut commanded = |targets, states, out: &mut [DofCommand]| {
         controller.dof_commands(targets, states, &[], &mut workspace, out)
@@ -374,7 +374,7 @@ fn slices_and_states_of_another_tree_are_refused() {
 fn what_the_tick_refuses_has_no_effort() {
     let tree = leg();
     let gains = Gains::critically_damped(50.0).unwrap();
-    let controller = Controller::new(tree.clone(), gains, Method::Local).unwrap();
+    let controller = TorqueController::new(tree.clone(), gains, Method::Local).unwrap();
     let (mut targets, measured) = (JointTargets::rest(&tree), JointStates::rest(&tree));
     let mut workspace = Workspace::new();
     controller.tick(&mut targets, &measured, &[], &mut workspace);

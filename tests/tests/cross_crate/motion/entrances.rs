@@ -17,9 +17,9 @@ use sinew_core::state_error::{
 };
 use sinew_core::trajectory::{backward_states, forward_targets};
 use sinew_core::{
-    Body, BodySet, Controller, ControllerError, Inertia, InertiaError, JointCoordinatesError,
-    JointError, JointKind, JointState, JointStates, JointTargets, RotationalInertia,
-    StateInputError, Trajectory, TrajectoryError, Transform, Tree, TreeError, Twist, Workspace,
+    Body, BodySet, ControllerError, Inertia, InertiaError, JointCoordinatesError, JointError,
+    JointKind, JointState, JointStates, JointTargets, RotationalInertia, StateInputError,
+    TorqueController, Trajectory, TrajectoryError, Transform, Tree, TreeError, Twist, Workspace,
 };
 
 const NAN: Vec3 = Vec3::new(0.0, f32::NAN, 0.0);
@@ -210,19 +210,19 @@ fn methods_and_controllers() {
     let nan = [Aim::Point(NAN), Aim::None, Aim::None];
     refused(Aims::new(&tree, &nan), &AimsError::NonFinite { body: 0 }, &["body 0", "finite"]);
 
-    let new = |method| Controller::new(tree.clone(), gains(), method);
-    let empty = Controller::new(Tree::<3>::new(), gains(), Method::World);
+    let new = |method| TorqueController::new(tree.clone(), gains(), method);
+    let empty = TorqueController::new(Tree::<3>::new(), gains(), Method::World);
     refused(empty, &E::EmptyTree, &["no bodies"]);
-    let none = Controller::new(Tree::<0>::new(), gains(), Method::Local);
+    let none = TorqueController::new(Tree::<0>::new(), gains(), Method::Local);
     refused(none, &E::EmptyTree, &["no bodies"]);
     let of_chain = References::new(&tree, &[None, None, Some(1)]).expect("an ancestor");
-    let in_fork = Controller::new(other.clone(), gains(), Method::Accumulated(of_chain));
+    let in_fork = TorqueController::new(other.clone(), gains(), Method::Accumulated(of_chain));
     refused(in_fork, &E::References(not_ancestor(2, 1)), &["another tree", "joint 2"]);
     let settings = Compensation::default();
     let aims = Aims::heaviest_child(&chain());
     let in_fork = Method::LinearCompensation { aims, settings };
     let not_a_child = AimsError::NotAChild { body: 1, child: 2 };
-    let refusal = Controller::new(other, gains(), in_fork);
+    let refusal = TorqueController::new(other, gains(), in_fork);
     refused(refusal, &E::Aims(not_a_child), &["another tree", "body 1"]);
     let settings = Compensation { beta: f32::NAN, ..settings };
     let aims = Aims::heaviest_child(&tree);
@@ -235,7 +235,7 @@ fn methods_and_controllers() {
     let four = new(Method::World).and_then(|c| c.with_joint_gains(&[gains(); 4]));
     refused(four, &E::GainsCount { expected: 3, found: 4 }, &["3 joints", "gains", "4 were given"]);
     let one = [ReflectedInertia::default()];
-    let one = new(Method::World).and_then(|c| c.with_pd_of_inertia(&one));
+    let one = new(Method::World).and_then(|c| c.with_inertia_scaled_pd(&one));
     refused(one, &E::InertiaCount { expected: 3, found: 1 }, &["3 joints", "inertias", "1 were"]);
 }
 
@@ -314,7 +314,8 @@ fn every_method_runs<const N: usize>(bodies: &[Body]) {
         Method::LinearCompensation { aims, settings },
         Method::LinearCompensation { aims: Aims::all_children(&tree), settings },
     ] {
-        let controller = Controller::new(tree.clone(), gains(), method).expect("good settings");
+        let controller =
+            TorqueController::new(tree.clone(), gains(), method).expect("good settings");
         let mut workspace = Workspace::resolving();
         let torques = controller.tick(&mut targets, &measured, &[], &mut workspace);
         assert_eq!(torques.len(), bodies.len());

@@ -27,13 +27,13 @@ use sinew_core::state_error::{
 };
 use sinew_core::supply::TorqueSupply;
 use sinew_core::tracker::{
-    Frame, FrameSource, Measured, MethodName, Timing, Tracker, before_the_first,
+    Frame, FrameSource, Measured, MethodName, Timing, Tracker, extrapolate_before_start,
 };
 use sinew_core::trajectory::{aligned_targets, backward_states, forward_targets, live_targets};
 use sinew_core::{
-    Body, BodyState, Controller, ControllerError, ForwardDifferences, Inertia, InertiaError,
-    JointKind, JointState, JointStates, JointTargets, RotationalInertia, Trajectory, Transform,
-    Tree, Twist, Workspace, Wrench, math,
+    Body, BodyState, ControllerError, ForwardDifferences, Inertia, InertiaError, JointKind,
+    JointState, JointStates, JointTargets, RotationalInertia, TorqueController, Trajectory,
+    Transform, Tree, Twist, Workspace, Wrench, math,
 };
 use sinew_show::write::{Motion, Settings as ShowSettings, write};
 use sinew_show::{Joint, Rate, Show};
@@ -184,10 +184,10 @@ proptest! {
         if let Some(rotation) = position.get_mut(..4) {
             rotation.copy_from_slice(&q.to_array());
         }
-        let (coordinates, freedoms) = (kind.coordinate_count(), kind.degrees_of_freedom());
+        let (coordinates, dofs) = (kind.coordinate_count(), kind.dof_count());
         let right_count = [position.get(..coordinates), Some(&position[..])];
         for position in right_count.into_iter().flatten() {
-            let speed = speed.get(..freedoms).unwrap_or(&speed);
+            let speed = speed.get(..dofs).unwrap_or(&speed);
             if let Ok(state) = kind.state(placement, position, speed) {
                 prop_assert!(state.pose.is_finite() && state.velocity.is_finite(), "{state:?}");
             }
@@ -326,12 +326,12 @@ proptest! {
 
     #[test]
     fn reflected_inertias(scene in scenes::<N>()) {
-        let controller = Controller::new(scene.tree.clone(), gains(), Method::World).expect("a rig");
+        let controller = TorqueController::new(scene.tree.clone(), gains(), Method::World).expect("a rig");
         for outer in [OuterJoints::Locked, OuterJoints::Free] {
             let inertias = reflected_inertia(&scene.tree, &scene.measured, outer);
             let finite = inertias.iter().all(ReflectedInertia::is_finite);
             // What overflows is not taken by the one who needs it.
-            let taken = controller.clone().with_pd_of_inertia(&inertias);
+            let taken = controller.clone().with_inertia_scaled_pd(&inertias);
             prop_assert_eq!(taken.is_ok(), finite, "{:?}", inertias);
         }
     }
@@ -459,7 +459,7 @@ proptest! {
             let given = Gains::new(kp.abs(), kd.abs());
             let implicit = given.and_then(|gains| gains.implicit(dt_s));
             for gains in [Ok(gains()), given, implicit].into_iter().flatten() {
-                let Ok(controller) = Controller::new(tree.clone(), gains, method.clone()) else {
+                let Ok(controller) = TorqueController::new(tree.clone(), gains, method.clone()) else {
                     prop_assert!(!beta.is_finite());
                     continue;
                 };
@@ -469,7 +469,7 @@ proptest! {
                 all.extend(limits.ok().and_then(|limits| controller.clone().with_limits(&limits).ok()));
                 all.extend(controller.clone().with_law(ControlLaw::ProportionalDerivative));
                 let inertias = reflected_inertia(&tree, &measured, OuterJoints::Locked);
-                all.extend(controller.with_pd_of_inertia(&inertias));
+                all.extend(controller.with_inertia_scaled_pd(&inertias));
             }
             for controller in all {
                 let torques = controller.tick(&mut targets, &measured, &external, &mut workspace);
@@ -492,9 +492,9 @@ impl FrameSource for AsPoses<'_> {
         let Ok(frame) = usize::try_from(index) else {
             let steps = self.frames[0].iter().zip(self.frames[1]);
             self.before.clear();
-            self.before.extend(
-                steps.map(|(first, second)| before_the_first(first, second, index.unsigned_abs())),
-            );
+            self.before.extend(steps.map(|(first, second)| {
+                extrapolate_before_start(first, second, index.unsigned_abs())
+            }));
             return Frame::Poses(&self.before);
         };
         Frame::Poses(self.frames[frame.min(self.frames.len() - 1)])
@@ -610,9 +610,12 @@ fn coordinates(tree: &Tree<N>) -> impl Strategy<Value = Coordinates> + use<> {
         });
         q.push(of_joint);
     }
-    let freedoms = tree.degrees_of_freedom();
-    (q, vec(coordinate(), freedoms), vec(coordinate(), freedoms))
-        .prop_map(|(q, qd, qdd)| Coordinates { q: q.concat(), qd, qdd })
+    let dofs = tree.dof_count();
+    (q, vec(coordinate(), dofs), vec(coordinate(), dofs)).prop_map(|(q, qd, qdd)| Coordinates {
+        q: q.concat(),
+        qd,
+        qdd,
+    })
 }
 
 /// Frames of one set of coordinates after the other.
@@ -646,7 +649,7 @@ proptest! {
 
         let Scene { tree, mut targets, mut measured, external, .. } = scene;
         let limits = TorqueLimit::new(most_nm, f32::INFINITY).map(|limit| vec![limit; tree.len()]);
-        let controller = Controller::new(tree.clone(), gains(), Method::World).expect("a rig");
+        let controller = TorqueController::new(tree.clone(), gains(), Method::World).expect("a rig");
         let controller = match limits.ok().and_then(|limits| controller.clone().with_limits(&limits).ok()) {
             Some(limited) => limited,
             None => controller,
@@ -678,7 +681,7 @@ proptest! {
                 supply.share_acceleration(torques, &carried);
                 prop_assert!(torques.iter().all(sound_torque), "{torques:?}");
             }
-            let mut commands = vec![DofCommand::default(); tree.degrees_of_freedom()];
+            let mut commands = vec![DofCommand::default(); tree.dof_count()];
             controller.dof_commands(&targets, &measured, &external, &mut workspace, &mut commands).expect("they fit");
             for command in commands {
                 let DofCommand { position, velocity, feedforward_effort, feedback_effort, .. } = command;
@@ -761,17 +764,25 @@ fn settings_take_the_numbers_that_they_should() {
         assert_eq!(TorqueLimit::new(1.0, x).is_ok(), x >= 0.0, "{x}");
         assert_eq!(gains().implicit(x).is_ok(), finite_from_zero && x <= 1e18, "{x}");
         assert_eq!(Gains::critically_damped(x).is_ok(), finite_from_zero, "{x}");
-        let world = Controller::new(tree.clone(), gains(), Method::World).expect("a rig");
+        let world = TorqueController::new(tree.clone(), gains(), Method::World).expect("a rig");
         assert_eq!(world.clone().with_gravity(Vec3::X * x).is_ok(), x.is_finite(), "{x}");
         let moments = RotationalInertia { yy: x, ..RotationalInertia::default() };
         let inertia = ReflectedInertia { angular_kg_m2: moments, linear_kg: 1.0 };
-        assert_eq!(world.clone().with_pd_of_inertia(&[inertia; 2]).is_ok(), x.is_finite(), "{x}");
+        assert_eq!(
+            world.clone().with_inertia_scaled_pd(&[inertia; 2]).is_ok(),
+            x.is_finite(),
+            "{x}"
+        );
         let inertia = ReflectedInertia { linear_kg: x, ..ReflectedInertia::default() };
-        assert_eq!(world.with_pd_of_inertia(&[inertia; 2]).is_ok(), x.is_finite(), "{x}");
+        assert_eq!(world.with_inertia_scaled_pd(&[inertia; 2]).is_ok(), x.is_finite(), "{x}");
         assert_eq!(Aims::new(&tree, &[Aim::Point(Vec3::Z * x), Aim::None]).is_ok(), x.is_finite());
         let settings = Compensation { beta: x, ..Compensation::default() };
         let method = Method::LinearCompensation { aims: Aims::heaviest_child(&tree), settings };
-        assert_eq!(Controller::new(tree.clone(), gains(), method).is_ok(), x.is_finite(), "{x}");
+        assert_eq!(
+            TorqueController::new(tree.clone(), gains(), method).is_ok(),
+            x.is_finite(),
+            "{x}"
+        );
         // A period is one that speeds and disturbances can be had from.
         let period = x > 0.0 && x.is_finite() && x.recip().is_finite();
         assert_eq!(ObserverSettings::differences(x).is_ok(), period, "{x}");
@@ -815,10 +826,10 @@ fn what_overflows_is_said_to() {
     assert!(slide.state(far, &[3e38], &[0.0]).is_err());
 
     let tree = chain(JointKind::Spherical, 0.1);
-    let controller = Controller::new(tree, gains(), Method::World).expect("a rig");
+    let controller = TorqueController::new(tree, gains(), Method::World).expect("a rig");
     let nan = ReflectedInertia { linear_kg: f32::NAN, ..ReflectedInertia::default() };
     assert_eq!(
-        controller.with_pd_of_inertia(&[nan; 2]),
+        controller.with_inertia_scaled_pd(&[nan; 2]),
         Err(ControllerError::NonFinite("inertia"))
     );
     let refusal = of_vectors(Scheme::Forward, 1, &[Vec3::ZERO, Vec3::X], 1e-39);
@@ -851,9 +862,9 @@ fn targets_at(tree: &Tree<N>, pose: Transform) -> JointTargets<N> {
     targets
 }
 
-fn compensating(tree: &Tree<N>, aims: Aims<N>) -> Controller<N> {
+fn compensating(tree: &Tree<N>, aims: Aims<N>) -> TorqueController<N> {
     let method = Method::LinearCompensation { aims, settings: Compensation::default() };
-    Controller::new(tree.clone(), gains(), method).expect("good settings")
+    TorqueController::new(tree.clone(), gains(), method).expect("good settings")
 }
 
 #[test]
@@ -867,7 +878,7 @@ fn a_half_turn_is_taken_the_way_that_its_quaternion_says() {
         for method in methods(&tree, 1.0, Vec3::Y * 0.1) {
             // Aiming, the first body has to turn otherwise.
             let aims = matches!(method, Method::LinearCompensation { .. });
-            let controller = Controller::new(tree.clone(), gains(), method).expect("a rig");
+            let controller = TorqueController::new(tree.clone(), gains(), method).expect("a rig");
             let torques = controller.tick(&mut targets, &measured, &[], &mut workspace).to_vec();
             assert!(torques.iter().all(|t| sound_torque(t) && t.reason.is_none()), "{torques:?}");
             let mut errors = [StateError::ZERO; 2];
@@ -903,7 +914,7 @@ fn goals_without_a_direction_are_world_errors_and_said_to_be() {
     ] {
         let tree = chain(JointKind::Free, height_m);
         let (mut targets, measured) = (targets_at(&tree, turned), measured_at(&tree, at));
-        let world = Controller::new(tree.clone(), gains(), Method::World).expect("a rig");
+        let world = TorqueController::new(tree.clone(), gains(), Method::World).expect("a rig");
         world.tick(&mut targets, &measured, &[], &mut workspace);
         let mut errors = [StateError::ZERO; 2];
         world.errors(&mut targets, &measured, &mut workspace, &mut errors);
@@ -961,7 +972,7 @@ fn a_rig_of_nothing_asks_for_nothing() {
     let measured = JointStates::rest(&tree);
     let mut workspace = Workspace::resolving();
     for method in methods(&tree, 1.0, Vec3::ZERO) {
-        let controller = Controller::new(tree.clone(), gains(), method).expect("a rig");
+        let controller = TorqueController::new(tree.clone(), gains(), method).expect("a rig");
         for torque in controller.tick(&mut targets, &measured, &[], &mut workspace) {
             assert_eq!(*torque, Limited { value: Wrench::ZERO, reason: None });
         }
@@ -981,7 +992,7 @@ fn huge_speeds_and_masses_are_told_from_those_that_f32_can_do() {
             measured.set(joint, state).expect("a finite speed");
         }
         let mut targets = JointTargets::rest(&tree);
-        let controller = Controller::new(tree, gains(), Method::World).expect("a rig");
+        let controller = TorqueController::new(tree, gains(), Method::World).expect("a rig");
         let mut workspace = Workspace::resolving();
         let torques = controller.tick(&mut targets, &measured, &[], &mut workspace);
         assert!(torques.iter().all(sound_torque));
@@ -994,7 +1005,7 @@ fn huge_speeds_and_masses_are_told_from_those_that_f32_can_do() {
         let body = Body { inertia, ..chain(JointKind::Free, 0.1).bodies()[0] };
         let tree = Tree::<N>::from_bodies(&[body]).expect("a mass");
         let (mut targets, measured) = (JointTargets::rest(&tree), JointStates::rest(&tree));
-        let controller = Controller::new(tree, gains(), Method::World).expect("a rig");
+        let controller = TorqueController::new(tree, gains(), Method::World).expect("a rig");
         let mut workspace = Workspace::resolving();
         let torque = controller.tick(&mut targets, &measured, &[], &mut workspace)[0];
         let weight = mass_kg * 9.81;
@@ -1029,7 +1040,7 @@ fn a_joint_whose_resistance_overflows_is_not_taken_for_one_at_rest() {
             let turned = Transform::new(math::exp(Vec3::X * 0.5), Vec3::ZERO);
             let mut targets = targets_at(&tree, turned);
             let measured = JointStates::rest(&tree);
-            let controller = Controller::new(tree, gains(), method).expect("a rig");
+            let controller = TorqueController::new(tree, gains(), method).expect("a rig");
             let mut workspace = Workspace::resolving();
             let torques = controller.tick(&mut targets, &measured, &[], &mut workspace).to_vec();
             assert!(torques.iter().all(sound_torque));
@@ -1049,7 +1060,7 @@ fn a_joint_whose_resistance_overflows_is_not_taken_for_one_at_rest() {
 fn external_wrenches_that_are_no_numbers_stop_the_joints_that_bear_them() {
     let tree = chain(JointKind::Spherical, 0.1);
     let (mut targets, measured) = (JointTargets::rest(&tree), JointStates::rest(&tree));
-    let controller = Controller::new(tree, gains(), Method::World).expect("a rig");
+    let controller = TorqueController::new(tree, gains(), Method::World).expect("a rig");
     let mut workspace = Workspace::resolving();
     for bad in NOT_FINITE {
         let external = [Wrench::new(Vec3::X * bad, Vec3::ZERO), Wrench::ZERO];

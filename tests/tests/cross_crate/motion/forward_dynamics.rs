@@ -3,8 +3,8 @@
 
 use proptest::prelude::*;
 use sinew_core::dynamics::{
-    ArticulatedBody, BodyMotion, CompositeBody, degrees_of_freedom, forward_dynamics,
-    inverse_dynamics, mass_matrix,
+    ArticulatedBody, BodyMotion, CompositeBody, dof_count, forward_dynamics, inverse_dynamics,
+    mass_matrix,
 };
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::{
@@ -67,7 +67,7 @@ fn largest(wrenches: &[Wrench]) -> f32 {
 ///
 /// In a limp rig they are large and take each other away, so that the wrenches are no measure of the rounding.
 fn largest_cost(bodies: &[Body], joints: &[JointState], accelerations: &[Twist]) -> f32 {
-    let size = degrees_of_freedom(bodies);
+    let size = dof_count(bodies);
     let mut matrix = vec![0.0; size * size];
     let mut scratch = vec![CompositeBody::default(); bodies.len()];
     mass_matrix(bodies, joints, &mut scratch, &mut matrix);

@@ -5,8 +5,8 @@ use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use sinew_core::dynamics::{
-    ArticulatedBody, BodyMotion, CompositeBody, degrees_of_freedom, forward_dynamics,
-    inverse_dynamics, mass_matrix,
+    ArticulatedBody, BodyMotion, CompositeBody, dof_count, forward_dynamics, inverse_dynamics,
+    mass_matrix,
 };
 use sinew_core::glam::Vec3;
 use sinew_core::{Body, Inertia, JointKind, JointState, Transform, Twist, Wrench};
@@ -19,20 +19,20 @@ const GRAVITY: Vec3 = Vec3::new(1.3, -9.4, 2.2);
 const RELATIVE: f64 = 5e-6;
 
 fn matrix_of(bodies: &[Body], joints: &[JointState]) -> DMatrix<f32> {
-    let size = degrees_of_freedom(bodies);
+    let size = dof_count(bodies);
     let mut scratch = vec![CompositeBody::default(); bodies.len()];
     let mut out = vec![f32::NAN; size * size];
     assert_eq!(mass_matrix(bodies, joints, &mut scratch, &mut out), size);
     DMatrix::from_row_slice(size, size, &out)
 }
 
-/// Numbers along the freedoms of all joints, from a vector of each.
-fn along_freedoms(rig: &Rig, of_joint: impl Fn(usize, &Twist) -> f32) -> Vec<f64> {
-    freedoms(rig).iter().map(|(joint, column)| f64::from(of_joint(*joint, column))).collect()
+/// Numbers along the dofs of all joints, from a vector of each.
+fn along_dofs(rig: &Rig, of_joint: impl Fn(usize, &Twist) -> f32) -> Vec<f64> {
+    dofs(rig).iter().map(|(joint, column)| f64::from(of_joint(*joint, column))).collect()
 }
 
 /// All degrees of freedom: their joint, and their column of its motion subspace.
-fn freedoms(rig: &Rig) -> Vec<(usize, Twist)> {
+fn dofs(rig: &Rig) -> Vec<(usize, Twist)> {
     let states = rig.states();
     let joints = rig.tree.bodies().iter().zip(states.as_slice()).enumerate();
     joints
@@ -80,12 +80,12 @@ proptest! {
         let matrix = matrix_of(rig.tree.bodies(), states.as_slice());
         let still: Vec<_> =
             states.as_slice().iter().map(|s| JointState { velocity: Twist::ZERO, ..*s }).collect();
-        let freedoms = freedoms(&rig);
-        for (column, (moved, unit)) in freedoms.iter().enumerate() {
+        let dofs = dofs(&rig);
+        for (column, (moved, unit)) in dofs.iter().enumerate() {
             let mut accelerations = vec![Twist::ZERO; rig.tree.len()];
             accelerations[*moved] = *unit;
             let wrenches = inverse(&rig, &still, &accelerations, Vec3::ZERO);
-            for (row, (joint, along)) in freedoms.iter().enumerate() {
+            for (row, (joint, along)) in dofs.iter().enumerate() {
                 let got = f64::from(matrix[(row, column)]);
                 let expected = f64::from(wrenches[*joint].power_w(*along));
                 // No element of a positive definite matrix exceeds the mean of its two diagonal ones.
@@ -117,7 +117,7 @@ proptest! {
     fn it_makes_speeds_to_kinetic_energy(rig in rigs_with_rotors(CAPACITY, Joints::Mixed)) {
         let states = rig.states();
         let matrix = matrix_of(rig.tree.bodies(), states.as_slice()).cast::<f64>();
-        let speeds = along_freedoms(&rig, |joint, column| dot(states.as_slice()[joint].velocity, column));
+        let speeds = along_dofs(&rig, |joint, column| dot(states.as_slice()[joint].velocity, column));
         let speeds = DVector::from_vec(speeds);
         let got = 0.5 * speeds.dot(&(&matrix * &speeds));
         let expected = reference::energy_j(&rig, DVec3::ZERO, 0.0);
@@ -139,7 +139,7 @@ proptest! {
         let bias_motion = bias_accelerations(&rig);
         let bias = inverse(&rig, states.as_slice(), &bias_motion, GRAVITY);
         let of = |wrenches: &[Wrench]| {
-            DVector::from_vec(along_freedoms(&rig, |joint, column| wrenches[joint].power_w(*column)))
+            DVector::from_vec(along_dofs(&rig, |joint, column| wrenches[joint].power_w(*column)))
         };
         let (given, bias) = (of(&drives), of(&bias));
         let solved = matrix.cholesky().expect("it is well conditioned").solve(&(&given - &bias));
@@ -149,14 +149,14 @@ proptest! {
         forward_dynamics(
             bodies, states.as_slice(), &drives, GRAVITY, &[], &mut workspace, &mut out,
         );
-        let got = along_freedoms(&rig, |joint, column| dot(out[joint] - bias_motion[joint], column));
+        let got = along_dofs(&rig, |joint, column| dot(out[joint] - bias_motion[joint], column));
         // Some ten roundings of the forces for each of up to eight joints in a row, most of which cancel, and
         // what acceleration that is where the inertia is least.
         let forces = given.amax() + bias.amax() + eigenvalues.max() * solved.amax();
         let allowed = 1e-6 * forces / eigenvalues.min();
-        for (freedom, (got, solved)) in got.iter().zip(&solved).enumerate() {
+        for (dof, (got, solved)) in got.iter().zip(&solved).enumerate() {
             let error = (got - solved).abs();
-            prop_assert!(error <= allowed, "{freedom}: {got} {solved}, {error:e} of {allowed:e}");
+            prop_assert!(error <= allowed, "{dof}: {got} {solved}, {error:e} of {allowed:e}");
         }
     }
 
@@ -168,7 +168,7 @@ proptest! {
         let mut out = vec![f32::NAN; room];
         let mut scratch = vec![CompositeBody::default(); bodies.len() + 1];
         let size = mass_matrix(bodies, states.as_slice(), &mut scratch, &mut out);
-        let fits = |count: &usize| degrees_of_freedom(&bodies[..*count]).pow(2) <= room;
+        let fits = |count: &usize| dof_count(&bodies[..*count]).pow(2) <= room;
         let most = (0..=bodies.len()).rev().find(fits).expect("none needs no room");
         let expected = matrix_of(&bodies[..most], states.as_slice());
         prop_assert_eq!(size, expected.nrows());

@@ -454,9 +454,10 @@ fn performance(tree: &Tree<18>, time_s: f32) -> Vec<Transform> {
 
 /// Mean over the frames of what each route's cost is above the least, as a share of it.
 fn mean_excess(mut project: impl FnMut(&Tree<18>, &[Transform], &mut [Transform])) -> f64 {
-    const ROTATION_M: f32 = 0.5;
+    const RECOMMENDED_ROTATION_WEIGHT_M: f32 = 0.5;
     let tree = figure();
-    let (weights, ranges) = ([BodyWeight::new(1.0, ROTATION_M); 18], [JointRange::Any; 18]);
+    let (weights, ranges) =
+        ([BodyWeight::new(1.0, RECOMMENDED_ROTATION_WEIGHT_M); 18], [JointRange::Any; 18]);
     let (mut sum, mut count) = (0.0, 0.0);
     for frame in 0..120 {
         let desired = performance(&tree, frame as f32 * 0.01);
@@ -475,19 +476,21 @@ fn mean_excess(mut project: impl FnMut(&Tree<18>, &[Transform], &mut [Transform]
 
 #[test]
 fn articulated_sweeps_are_nearer_to_the_best_than_the_subtree_form() {
-    const ROTATION_M: f32 = 0.5;
+    const RECOMMENDED_ROTATION_WEIGHT_M: f32 = 0.5;
     let articulated = |sweeps: u8| {
-        let projection =
-            ManifoldProjection::new(&figure(), &[BodyWeight::new(1.0, ROTATION_M); 18])
-                .expect("good weights")
-                .with_sweeps(sweeps);
+        let projection = ManifoldProjection::new(
+            &figure(),
+            &[BodyWeight::new(1.0, RECOMMENDED_ROTATION_WEIGHT_M); 18],
+        )
+        .expect("good weights")
+        .with_sweeps(sweeps);
         let mut workspace = ProjectionWorkspace::new();
         mean_excess(|tree, desired, out| {
             projection.project(tree, desired, &mut workspace, out).expect("a good pose");
         })
     };
     let subtree = |sweeps: usize| {
-        let mut route = SubtreeForm::new(&figure(), ROTATION_M);
+        let mut route = SubtreeForm::new(&figure(), RECOMMENDED_ROTATION_WEIGHT_M);
         mean_excess(|tree, desired, out| route.project(tree, desired, sweeps, out))
     };
     // Two sweeps of a subtree take as many instructions as an articulated one, counted on x86-64: 36 800 a frame and

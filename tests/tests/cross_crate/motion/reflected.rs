@@ -18,7 +18,7 @@ fn at_rest(rig: &Rig) -> JointStates<CAPACITY> {
 }
 
 /// All degrees of freedom: their joint, and their column of its motion subspace.
-fn freedoms(rig: &Rig, states: &JointStates<CAPACITY>) -> Vec<(usize, Twist)> {
+fn dofs(rig: &Rig, states: &JointStates<CAPACITY>) -> Vec<(usize, Twist)> {
     let joints = rig.tree.bodies().iter().zip(states.as_slice()).enumerate();
     joints
         .flat_map(|(joint, (body, state))| {
@@ -28,15 +28,11 @@ fn freedoms(rig: &Rig, states: &JointStates<CAPACITY>) -> Vec<(usize, Twist)> {
         .collect()
 }
 
-/// The joint-space inertia: what acceleration along one freedom costs along all.
-fn mass_matrix(
-    rig: &Rig,
-    states: &JointStates<CAPACITY>,
-    freedoms: &[(usize, Twist)],
-) -> DMatrix<f64> {
+/// The joint-space inertia: what acceleration along one dof costs along all.
+fn mass_matrix(rig: &Rig, states: &JointStates<CAPACITY>, dofs: &[(usize, Twist)]) -> DMatrix<f64> {
     let count = rig.tree.len();
-    let mut matrix = DMatrix::zeros(freedoms.len(), freedoms.len());
-    for (column, (joint, motion)) in freedoms.iter().enumerate() {
+    let mut matrix = DMatrix::zeros(dofs.len(), dofs.len());
+    for (column, (joint, motion)) in dofs.iter().enumerate() {
         let mut accelerations = vec![Twist::ZERO; count];
         accelerations[*joint] = *motion;
         let mut scratch = vec![BodyMotion::default(); count];
@@ -44,7 +40,7 @@ fn mass_matrix(
         let bodies = rig.tree.bodies();
         let states = states.as_slice();
         inverse_dynamics(bodies, states, &accelerations, Vec3::ZERO, &[], &mut scratch, &mut out);
-        for (row, (joint, motion)) in freedoms.iter().enumerate() {
+        for (row, (joint, motion)) in dofs.iter().enumerate() {
             matrix[(row, column)] = f64::from(out[*joint].power_w(*motion));
         }
     }
@@ -60,17 +56,17 @@ proptest! {
         rig in rigs_with_rotors(8, Joints::Mixed)
     ) {
         let states = at_rest(&rig);
-        let freedoms = freedoms(&rig, &states);
-        let matrix = mass_matrix(&rig, &states, &freedoms);
+        let dofs = dofs(&rig, &states);
+        let matrix = mass_matrix(&rig, &states, &dofs);
         let locked = reflected_inertia(&rig.tree, &states, OuterJoints::Locked);
         let free = reflected_inertia(&rig.tree, &states, OuterJoints::Free);
         for joint in 0..rig.tree.len() {
-            // The parent is held: only the freedoms from this joint outwards are left.
+            // The parent is held: only the dofs from this joint outwards are left.
             let subtree = rig.tree.subtree(joint);
             let inside: Vec<usize> =
-                (0..freedoms.len()).filter(|f| subtree.contains(freedoms[*f].0)).collect();
+                (0..dofs.len()).filter(|f| subtree.contains(dofs[*f].0)).collect();
             let own: Vec<usize> =
-                (0..inside.len()).filter(|f| freedoms[inside[*f]].0 == joint).collect();
+                (0..inside.len()).filter(|f| dofs[inside[*f]].0 == joint).collect();
             if own.is_empty() {
                 prop_assert_eq!(locked[joint].linear_kg.to_bits(), 0);
                 continue;
@@ -89,14 +85,14 @@ proptest! {
                 let scale = expected.amax();
                 let (mut slides, mut mass) = (0, 0.0);
                 for (row, a) in own.iter().enumerate() {
-                    let (_, of_row) = freedoms[inside[*a]];
+                    let (_, of_row) = dofs[inside[*a]];
                     if of_row.angular == Vec3::ZERO {
                         slides += 1;
                         mass += expected[(row, row)];
                         continue;
                     }
                     for (column, b) in own.iter().enumerate() {
-                        let (_, of_column) = freedoms[inside[*b]];
+                        let (_, of_column) = dofs[inside[*b]];
                         if of_column.angular != Vec3::ZERO {
                             let got = f64::from(reflected.wrench(of_column).power_w(of_row));
                             let error = (got - expected[(row, column)]).abs();

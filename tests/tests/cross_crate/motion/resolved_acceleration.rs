@@ -5,17 +5,19 @@ use nalgebra::{DMatrix, DVector};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use sinew_core::control::{ControlLaw, Gains};
-use sinew_core::dynamics::{OuterJoints, Resolved, reflected_inertia, resolved_acceleration};
+use sinew_core::dynamics::{
+    OuterJoints, ResolvedAccelerationScratch, reflected_inertia, resolved_acceleration,
+};
 use sinew_core::glam::Vec3;
 use sinew_core::projection::{BodyWeight, BodyWeights, BodyWeightsError};
 use sinew_core::state_error::Method;
 use sinew_core::{
-    Body, BodyState, Controller, ControllerError, Inertia, JointKind, JointStates, JointTargets,
-    Transform, Tree, Twist, Workspace, kinematics,
+    Body, BodyState, ControllerError, Inertia, JointKind, JointStates, JointTargets,
+    TorqueController, Transform, Tree, Twist, Workspace, kinematics,
 };
 use sinew_figure::plant::MassProperties;
 use sinew_figure::plant::{
-    ArticulatedPlant, Drive, Freedom, Mechanism, MovingPose, Plant, Pose, link,
+    ArticulatedPlant, Drive, JointModel, Mechanism, MovingPose, Plant, Pose, link,
 };
 use sinew_tests::property;
 use sinew_tests::reference::{self, turn};
@@ -23,9 +25,9 @@ use sinew_tests::rig::{CAPACITY, Joints, Rig, figures, rigs};
 
 const KP: f32 = 200.0;
 
-fn controller(rig: &Rig, method: Method<CAPACITY>) -> Controller<CAPACITY> {
+fn controller(rig: &Rig, method: Method<CAPACITY>) -> TorqueController<CAPACITY> {
     let gains = Gains::critically_damped(KP).expect("a good gain");
-    Controller::new(rig.tree.clone(), gains, method).expect("good settings")
+    TorqueController::new(rig.tree.clone(), gains, method).expect("good settings")
 }
 
 fn resolved(rig: &Rig) -> Method<CAPACITY> {
@@ -51,7 +53,7 @@ fn plant(rig: &Rig, dt_s: f64) -> ArticulatedPlant {
             center_of_mass_m: body.inertia.center_of_mass_m.as_dvec3(),
             rotational_kg_m2: DMat3::from_cols_array(&rotational),
         };
-        let joint = if body.parent.is_some() { Freedom::Spherical } else { Freedom::Free };
+        let joint = if body.parent.is_some() { JointModel::Spherical } else { JointModel::Free };
         link(body.parent, joint, body.placement.translation_m.as_dvec3(), &mass)
     });
     let start: Vec<_> = rig
@@ -72,7 +74,7 @@ fn plant(rig: &Rig, dt_s: f64) -> ArticulatedPlant {
 
 /// Drives the plant as the controller asks, from the states that it is in.
 fn drive(
-    controller: &Controller<CAPACITY>,
+    controller: &TorqueController<CAPACITY>,
     targets: &JointTargets<CAPACITY>,
     measured: &JointStates<CAPACITY>,
     poses: &[Pose],
@@ -98,7 +100,7 @@ fn rows(accelerations: &[[DVec3; 2]]) -> DVector<f64> {
     DVector::from_iterator(6 * accelerations.len(), components)
 }
 
-/// Accelerations of the bodies for those of each freedom.
+/// Accelerations of the bodies for those of each dof.
 fn jacobian(rig: &Rig) -> DMatrix<f64> {
     let poses = reference::poses(rig, 0.0);
     let mut columns = Vec::new();
@@ -176,7 +178,7 @@ proptest! {
             .iter()
             .map(|n| Twist::new(Vec3::new(n[0], n[1], n[2]) * 50.0, Vec3::new(n[3], n[4], n[5]) * 20.0))
             .collect();
-        let (mut got, mut scratch) = (wanted.clone(), vec![Resolved::ZERO; count]);
+        let (mut got, mut scratch) = (wanted.clone(), vec![ResolvedAccelerationScratch::ZERO; count]);
         resolved_acceleration(
             rig.tree.bodies(),
             states.as_slice(),
@@ -329,12 +331,12 @@ fn it_needs_inverse_dynamics_and_weights_of_its_tree() {
     let method = || Method::ResolvedAcceleration { weights: BodyWeights::rotations(&one) };
     let gains = Gains::critically_damped(KP).expect("a good gain");
     let error = BodyWeightsError::Count { expected: 2, found: 1 };
-    let refused = Controller::new(two, gains, method());
+    let refused = TorqueController::new(two, gains, method());
     assert_eq!(refused, Err(ControllerError::Weights(error)));
-    let new = || Controller::new(one.clone(), gains, method()).expect("good settings");
+    let new = || TorqueController::new(one.clone(), gains, method()).expect("good settings");
     assert_eq!(new().with_law(ControlLaw::ProportionalDerivative), Err(ControllerError::Law));
     let inertias = reflected_inertia(&one, &JointStates::rest(&one), OuterJoints::Free);
-    assert_eq!(new().with_pd_of_inertia(&inertias), Err(ControllerError::Law));
+    assert_eq!(new().with_inertia_scaled_pd(&inertias), Err(ControllerError::Law));
 
     let weights = |position, rotation_m| {
         BodyWeights::new(&one, &[BodyWeight::new(position, rotation_m)]).err()

@@ -13,8 +13,8 @@ use sinew_core::dynamics::{
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::state_error::Method;
 use sinew_core::{
-    Body, Controller, Inertia, JointKind, JointState, JointTargets, RotationalInertia, Transform,
-    Tree, Twist, Workspace, Wrench,
+    Body, Inertia, JointKind, JointState, JointTargets, RotationalInertia, TorqueController,
+    Transform, Tree, Twist, Workspace, Wrench,
 };
 use sinew_tests::property;
 use sinew_tests::rig::{CAPACITY, Joints, Rig, rigs_with_rotors};
@@ -29,7 +29,7 @@ const GOLDEN: f64 = 2e-6;
 /// `forward_dynamics.rs`, twice.
 const ROUND_TRIP: f64 = 1e-5;
 
-/// What f32 may be off by along a joint's freedoms, relative to the largest component of a wrench with and without a
+/// What f32 may be off by along a joint's dofs, relative to the largest component of a wrench with and without a
 /// rotor: sixteen roundings of 6e-8, of sums, and of the products of three components with up to two axes.
 const ALONG: f64 = 1e-6;
 
@@ -163,13 +163,13 @@ fn efforts<const N: usize>(
     joints: &[JointState],
     wrenches: &[Wrench],
 ) -> DVector<f64> {
-    let mut out = vec![0.0; tree.degrees_of_freedom()];
+    let mut out = vec![0.0; tree.dof_count()];
     tree.efforts(joints, wrenches, &mut out).expect("slices of the tree");
     DVector::from_iterator(out.len(), out.iter().map(|x| f64::from(*x)))
 }
 
 fn matrix<const N: usize>(tree: &Tree<N>, joints: &[JointState]) -> DMatrix<f64> {
-    let size = tree.degrees_of_freedom();
+    let size = tree.dof_count();
     let mut scratch = vec![CompositeBody::default(); tree.len()];
     let mut out = vec![f32::NAN; size * size];
     mass_matrix(tree.bodies(), joints, &mut scratch, &mut out);
@@ -248,7 +248,7 @@ proptest! {
 
     /// Of every kind of joint, with axes that move (a universal joint's) or not.
     #[test]
-    fn a_rotor_takes_its_inertia_times_the_acceleration_of_each_freedom(
+    fn a_rotor_takes_its_inertia_times_the_acceleration_of_each_dof(
         rig in rigs_with_rotors(CAPACITY, Joints::Mixed)
     ) {
         let states = rig.states();
@@ -259,9 +259,9 @@ proptest! {
         for (joint, body) in rig.tree.bodies().iter().enumerate() {
             // The bearings' part is rounded with it.
             let allowed = ALONG * (largest(&wrenches[0][joint]) + largest(&wrenches[1][joint]));
-            for freedom in rig.tree.freedoms(joint) {
-                let expected = f64::from(body.rotor_inertia) * f64::from(qdd[freedom]);
-                let error = (with[freedom] - without[freedom] - expected).abs();
+            for dof in rig.tree.dofs(joint) {
+                let expected = f64::from(body.rotor_inertia) * f64::from(qdd[dof]);
+                let error = (with[dof] - without[dof] - expected).abs();
                 prop_assert!(error <= allowed, "{body:?}: off by {error:e} of {allowed:e}");
             }
         }
@@ -320,7 +320,7 @@ proptest! {
         let commands = &workspace.commands()[..bodies.len()];
         let made = forward(bodies, measured.as_slice(), &torques, GRAVITY);
         let along = |twists: &[Twist]| {
-            let mut out = vec![0.0; rig.tree.degrees_of_freedom()];
+            let mut out = vec![0.0; rig.tree.dof_count()];
             rig.tree.accelerations(measured.as_slice(), twists, &mut out).expect("of the tree");
             DVector::from_iterator(out.len(), out.iter().map(|x| f64::from(*x)))
         };
@@ -333,9 +333,9 @@ proptest! {
     }
 }
 
-fn controller(tree: Tree<CAPACITY>) -> Controller<CAPACITY> {
+fn controller(tree: Tree<CAPACITY>) -> TorqueController<CAPACITY> {
     let gains = Gains::critically_damped(200.0).expect("a good gain");
-    let controller = Controller::new(tree, gains, Method::Local).expect("a rig");
+    let controller = TorqueController::new(tree, gains, Method::Local).expect("a rig");
     controller.with_gravity(GRAVITY).expect("a finite gravity")
 }
 

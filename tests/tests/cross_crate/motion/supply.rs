@@ -8,7 +8,8 @@ use sinew_core::glam::{DVec3, Vec3, Vec3Swizzles};
 use sinew_core::state_error::Method;
 use sinew_core::supply::{SupplyError, TorqueSupply};
 use sinew_core::{
-    Body, Controller, Inertia, JointKind, JointTargets, Transform, Tree, Twist, Workspace, Wrench,
+    Body, Inertia, JointKind, JointTargets, TorqueController, Transform, Tree, Twist, Workspace,
+    Wrench,
 };
 use sinew_tests::extreme::any_vector;
 use sinew_tests::property;
@@ -269,7 +270,7 @@ fn accelerations_are_cut_alike() {
         .run(&(rig, 0.0_f32..1.0), |(rig, share)| {
             let (tree, measured) = (rig.tree.clone(), rig.states());
             let gains = Gains::new(30.0, 5.0).unwrap();
-            let controller = Controller::new(tree.clone(), gains, Method::Local).unwrap();
+            let controller = TorqueController::new(tree.clone(), gains, Method::Local).unwrap();
             let mut workspace = Workspace::new();
             let mut targets = JointTargets::rest(&tree);
             controller.tick(&mut targets, &measured, &[], &mut workspace);

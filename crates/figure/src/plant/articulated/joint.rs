@@ -9,7 +9,7 @@ use glam::{DQuat, DVec3};
 use super::bounds::{Bounds, Mode};
 use super::dynamics::Answer;
 use super::tree::World;
-use crate::plant::{Freedom, Link as Given, Pose};
+use crate::plant::{JointModel, Link as Given, Pose};
 
 /// Ways that a joint may leave free, at most.
 pub(super) const WAYS: usize = 6;
@@ -24,7 +24,7 @@ pub(super) struct Way {
 /// A joint of any kind, and its state.
 #[derive(Debug, Clone)]
 pub(super) struct Joint {
-    kind: Freedom,
+    kind: JointModel,
     /// Pose of the joint frame in the parent's.
     placement: Pose,
     /// What the rotor adds to the inertia along each way.
@@ -64,7 +64,7 @@ pub(super) struct InParent {
 /// Where a joint stands along its axes. Poses do not count turns: an angle is the one next to the middle of its range.
 fn coordinates(given: &Given, in_joint: &Pose) -> [f64; 2] {
     let mut coordinates = given.joint.along(in_joint);
-    if let Freedom::Revolute(_) | Freedom::Universal(_) = given.joint {
+    if let JointModel::Revolute(_) | JointModel::Universal(_) = given.joint {
         for (angle, [least, most]) in coordinates.iter_mut().zip(&given.ranges) {
             let turns = (0.5 * (least + most) - *angle) / TAU;
             if turns.is_finite() {
@@ -82,7 +82,7 @@ impl Joint {
             && given.friction == 0.0
             && given.damping == 0.0
             && given.ranges.is_empty();
-        if given.joint == Freedom::Spherical && free {
+        if given.joint == JointModel::Spherical && free {
             return None;
         }
         let placement = Pose { rotation: given.rotation, position_m: given.position_m };
@@ -101,7 +101,7 @@ impl Joint {
             speeds: [0.0; WAYS],
             force_n: DVec3::ZERO,
             ways: [Way::default(); WAYS],
-            count: given.joint.kind().degrees_of_freedom(),
+            count: given.joint.kind().dof_count(),
             modes: [Mode::Slide(0.0); WAYS],
             rates: [0.0; WAYS],
             answer: Answer::default(),
@@ -121,17 +121,17 @@ impl Joint {
     fn axes_in_body(&self, in_parent: &Pose) -> [DVec3; WAYS] {
         let mut axes = [DVec3::ZERO; WAYS];
         match self.kind {
-            Freedom::Fixed | Freedom::Prismatic(_) => {}
-            Freedom::Revolute(axis) => axes[0] = axis,
-            Freedom::Universal([first, second]) => {
+            JointModel::Fixed | JointModel::Prismatic(_) => {}
+            JointModel::Revolute(axis) => axes[0] = axis,
+            JointModel::Universal([first, second]) => {
                 axes[0] = in_parent.rotation.conjugate() * (self.placement.rotation * first);
                 axes[1] = second;
             }
-            Freedom::Free => axes[..3].copy_from_slice(&DVec3::AXES),
-            Freedom::Spherical if !self.is_near_end(in_parent) => {
+            JointModel::Free => axes[..3].copy_from_slice(&DVec3::AXES),
+            JointModel::Spherical if !self.is_near_end(in_parent) => {
                 axes[..3].copy_from_slice(&DVec3::AXES);
             }
-            Freedom::Spherical => {
+            JointModel::Spherical => {
                 // The first is the one that leads to the end of the range.
                 let (axis, _) = self.swing(in_parent);
                 let (second, third) = axis.any_orthonormal_pair();
@@ -145,8 +145,8 @@ impl Joint {
     fn slides_in_parent(&self) -> [DVec3; WAYS] {
         let mut slides = [DVec3::ZERO; WAYS];
         match self.kind {
-            Freedom::Prismatic(axis) => slides[0] = self.placement.rotation * axis,
-            Freedom::Free => slides[3..].copy_from_slice(&DVec3::AXES),
+            JointModel::Prismatic(axis) => slides[0] = self.placement.rotation * axis,
+            JointModel::Free => slides[3..].copy_from_slice(&DVec3::AXES),
             _ => {}
         }
         slides
@@ -184,12 +184,12 @@ impl Joint {
         // the step; they would add up.
         const BACK_RAD_S: f64 = 1.0;
         let none = [f64::NEG_INFINITY, f64::INFINITY];
-        let back = if self.kind == Freedom::Spherical { BACK_RAD_S } else { 0.0 };
+        let back = if self.kind == JointModel::Spherical { BACK_RAD_S } else { 0.0 };
         let (range, at) = match self.kind {
-            Freedom::Spherical if way == 0 && self.is_near_end(in_parent) => {
+            JointModel::Spherical if way == 0 && self.is_near_end(in_parent) => {
                 ([f64::NEG_INFINITY, self.ranges[0][1]], self.swing(in_parent).1)
             }
-            Freedom::Revolute(_) | Freedom::Prismatic(_) | Freedom::Universal(_) => {
+            JointModel::Revolute(_) | JointModel::Prismatic(_) | JointModel::Universal(_) => {
                 (self.ranges[way], self.coordinates[way])
             }
             _ => (none, 0.0),
@@ -200,7 +200,7 @@ impl Joint {
     /// Updates the ways, with the body's parent and the body in the world.
     pub(super) fn update_ways(&mut self, in_parent: &Pose, parent: &World, body: &World) {
         let (axes, slides) = (self.axes_in_body(in_parent), self.slides_in_parent());
-        if self.kind == Freedom::Spherical {
+        if self.kind == JointModel::Spherical {
             // Other axes from step to step, the same spin.
             let spin = body.spin_rad_s;
             for (speed, axis) in self.speeds.iter_mut().zip(axes).take(3) {
@@ -216,7 +216,7 @@ impl Joint {
     pub(super) fn bias_rad_s2(&self) -> DVec3 {
         match self.kind {
             // The first axis carries the second round.
-            Freedom::Universal(_) => {
+            JointModel::Universal(_) => {
                 let [first, second, ..] = self.ways;
                 first.angular.cross(second.angular) * (self.speeds[0] * self.speeds[1])
             }
@@ -231,18 +231,18 @@ impl Joint {
             *speed += h * rate;
         }
         match self.kind {
-            Freedom::Fixed => {}
-            Freedom::Spherical | Freedom::Free => {
+            JointModel::Fixed => {}
+            JointModel::Spherical | JointModel::Free => {
                 let turning = axes.iter().zip(self.speeds).take(3);
                 in_parent.spin_rad_s = turning.map(|(axis, speed)| *axis * speed).sum();
                 let turn = DQuat::from_scaled_axis(h * in_parent.spin_rad_s);
                 in_parent.pose.rotation = (in_parent.pose.rotation * turn).normalize();
-                if self.kind == Freedom::Free {
+                if self.kind == JointModel::Free {
                     in_parent.slide_m_s = DVec3::from_slice(&self.speeds[3..]);
                     in_parent.pose.position_m += h * in_parent.slide_m_s;
                 }
             }
-            Freedom::Revolute(_) | Freedom::Prismatic(_) | Freedom::Universal(_) => {
+            JointModel::Revolute(_) | JointModel::Prismatic(_) | JointModel::Universal(_) => {
                 for (coordinate, speed) in self.coordinates.iter_mut().zip(self.speeds) {
                     *coordinate += h * speed;
                 }

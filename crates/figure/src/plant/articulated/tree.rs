@@ -4,7 +4,7 @@ use glam::{DMat3, DQuat, DVec3};
 
 use super::dynamics::{Articulated, skew};
 use super::joint::{InParent, Joint};
-use crate::plant::{Drive, Freedom, GRAVITY_M_S2, Link as Given, Mechanism, MovingPose, Pose};
+use crate::plant::{Drive, GRAVITY_M_S2, JointModel, Link as Given, Mechanism, MovingPose, Pose};
 
 /// A tree of bodies in reduced coordinates; parents come before children.
 #[derive(Debug, Clone)]
@@ -104,17 +104,17 @@ impl Link {
         };
         let joint = Joint::new(body, &in_parent).map(Box::new);
         match body.joint {
-            Freedom::Free => {}
-            Freedom::Revolute(_) | Freedom::Prismatic(_) | Freedom::Universal(_) => {
+            JointModel::Free => {}
+            JointModel::Revolute(_) | JointModel::Prismatic(_) | JointModel::Universal(_) => {
                 if let Some(joint) = &joint {
                     in_parent = joint.in_parent();
                 }
             }
-            Freedom::Fixed if parent.is_some() => {
+            JointModel::Fixed if parent.is_some() => {
                 in_parent.pose = Pose { rotation: body.rotation, position_m: body.position_m };
                 (in_parent.spin_rad_s, in_parent.slide_m_s) = (DVec3::ZERO, DVec3::ZERO);
             }
-            Freedom::Fixed | Freedom::Spherical => {
+            JointModel::Fixed | JointModel::Spherical => {
                 (in_parent.pose.position_m, in_parent.slide_m_s) = (body.position_m, DVec3::ZERO);
             }
         }
@@ -139,8 +139,8 @@ impl Tree {
     pub(super) fn new(mechanism: &Mechanism, start: &[MovingPose]) -> Self {
         let mut start = start.to_vec();
         let root = match mechanism.bodies[0].joint {
-            Freedom::Fixed => Held::Fixed,
-            Freedom::Free => Held::Driven,
+            JointModel::Fixed => Held::Fixed,
+            JointModel::Free => Held::Driven,
             _ => Held::ByJoint,
         };
         if root == Held::Fixed {

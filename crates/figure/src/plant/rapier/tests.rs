@@ -9,8 +9,8 @@ const DT_S: f64 = 0.01;
 fn driven(masses: &[MassProperties]) -> Mechanism {
     let body = |(index, mass): (usize, &MassProperties)| {
         let (parent, joint) = match index {
-            0 => (None, Freedom::Free),
-            _ => (Some(0), Freedom::Spherical),
+            0 => (None, JointModel::Free),
+            _ => (Some(0), JointModel::Spherical),
         };
         link(parent, joint, DVec3::ZERO, mass)
     };
@@ -34,7 +34,7 @@ fn the_engine_holds_the_inertia_it_was_given() {
     ] {
         let given = tilted(moments, turn);
         let body = solid(1.0, DVec3::ZERO, given);
-        let held = mass_properties(&link(None, Freedom::Free, DVec3::ZERO, &body));
+        let held = mass_properties(&link(None, JointModel::Free, DVec3::ZERO, &body));
         // A few roundings of f64.
         assert!(inertia_difference(&held, &given) < 1e-14, "{moments}");
     }

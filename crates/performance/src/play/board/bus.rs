@@ -3,12 +3,12 @@
 use std::cell::{Cell, RefCell};
 
 use sinew_firmware::controller::Wire;
-use sinew_servo_bus::settings::Demand;
+use sinew_servo_bus::settings::ServoRequirements;
 use sinew_servo_bus::{
     Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
 };
 use sinew_servo_sim::bench::Branch;
-use sinew_servo_sim::line::{Line, Wired as _, run_all};
+use sinew_servo_sim::line::{Line, LineDevice as _, run_all};
 use sinew_servo_sim::load::Plant;
 
 use crate::play::bus::Buses;
@@ -39,7 +39,7 @@ impl ServoBus for AllLines<'_> {
     fn reply(&mut self, _: &[u8]) -> bool {
         true
     }
-    fn compare(&mut self, asked: Option<(usize, Demand)>) {
+    fn compare(&mut self, asked: Option<(usize, ServoRequirements)>) {
         self.buses.borrow_mut().compare(asked);
     }
     fn compared(&self) -> Compared {

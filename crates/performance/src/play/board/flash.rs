@@ -12,7 +12,7 @@ use embedded_storage::nor_flash::{
 };
 use sinew_storage::{Area, BoardTable, Capacity};
 
-use crate::play::{BODIES, FREEDOMS, SERVOS};
+use crate::play::{BODIES, DOFS, SERVOS};
 
 const SECTOR_LEN: u32 = 0x4000;
 
@@ -21,7 +21,7 @@ const FLASH_LEN: usize = 0x8_C000;
 
 #[expect(clippy::cast_possible_truncation, reason = "they are small")]
 const CAPACITY: Capacity =
-    Capacity { bodies: BODIES as u16, degrees_of_freedom: FREEDOMS as u16, servos: SERVOS as u16 };
+    Capacity { bodies: BODIES as u16, dofs: DOFS as u16, servos: SERVOS as u16 };
 
 /// Two slots of 256 kB: room for minutes.
 pub(super) const TABLE: BoardTable = BoardTable {

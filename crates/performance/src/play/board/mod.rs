@@ -1,7 +1,7 @@
 //! A whole board in this program: the node that boards run, with flash in a file and simulated servos.
 //!
 //! ```text
-//! client ─ bytes ─> SimulatedBoard: Desk ─ mail ─ Control ─> lines ─> simulated servos
+//! client ─ bytes ─> SimulatedBoard: BackgroundTask ─ mail ─ ControlLoop ─> lines ─> simulated servos
 //!                     └─ Chip (flash, a file keeps it)
 //! ```
 //! In simulated time it is a [`Line`](sinew_board_client::Line) of the client, in real time [`SimulatedBoard::serve`] puts it

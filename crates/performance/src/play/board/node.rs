@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use std::ops::Range;
 
 use sinew_firmware::node::{
-    Control, Desk, Found, Mail, NodeSettings, Port, Safety, Setup, Shared, start,
+    BackgroundTask, ControlLoop, Found, Mail, NodeSettings, Port, Safety, Setup, Shared, start,
 };
 use sinew_firmware::supervisor::FaultSet;
 use sinew_firmware::watchdog::Complete;
@@ -14,7 +14,7 @@ use sinew_wiring::{LINES, Wiring};
 
 use super::flash::{Chip, TABLE};
 use super::simulated::BoardError;
-use crate::play::{BODIES, COORDINATES, FREEDOMS, Parts, SERVOS};
+use crate::play::{BODIES, COORDINATES, DOFS, Parts, SERVOS};
 
 /// Room for the longest rig in its compact form.
 pub(super) const RIG_ROOM: usize = 1 << 16;
@@ -22,12 +22,12 @@ pub(super) const RIG_ROOM: usize = 1 << 16;
 /// What the line to the host carries, bit/s: as the NUCLEO's.
 const LINE_BPS: u32 = 1_000_000;
 
-type Letters = Mail<'static, FREEDOMS, SERVOS, COORDINATES>;
+type Letters = Mail<'static, DOFS, SERVOS, COORDINATES>;
 
 /// A critical section: nothing interrupts.
-pub(super) struct Alone(RefCell<Letters>);
+pub(super) struct SingleThreaded(RefCell<Letters>);
 
-impl Shared<Letters> for Alone {
+impl Shared<Letters> for SingleThreaded {
     fn with<R>(&self, act: impl FnOnce(&mut Letters) -> R) -> R {
         act(&mut self.0.borrow_mut())
     }
@@ -36,16 +36,16 @@ impl Shared<Letters> for Alone {
 /// Loop, desk, and the mail between them.
 pub(super) struct Node {
     /// None without a rig that fits the servos.
-    pub(super) control: Option<Box<Control<'static, BODIES, FREEDOMS, SERVOS, COORDINATES>>>,
-    pub(super) desk: Box<Desk<'static, Chip, BODIES, FREEDOMS, SERVOS, COORDINATES>>,
-    pub(super) mail: Box<Alone>,
+    pub(super) control: Option<Box<ControlLoop<'static, BODIES, DOFS, SERVOS, COORDINATES>>>,
+    pub(super) desk: Box<BackgroundTask<'static, Chip, BODIES, DOFS, SERVOS, COORDINATES>>,
+    pub(super) mail: Box<SingleThreaded>,
 }
 
 impl Node {
     /// Starts with what is in flash.
     pub(super) fn start(parts: &Parts, chip: &Chip, about: About) -> Result<Self, BoardError> {
         let defaults = NodeSettings::new(parts.settings.clone(), parts.schedule);
-        let found = start::<_, BODIES, FREEDOMS, SERVOS>(
+        let found = start::<_, BODIES, DOFS, SERVOS>(
             chip.clone(),
             TABLE,
             |_| defaults,
@@ -59,7 +59,7 @@ impl Node {
         // Another number at each start.
         let first_session = u16::try_from(start.count % 655).unwrap_or(0) * 100;
         let control = rig.and_then(|(rig, _)| {
-            let made = Control::new(rig, &settings, &parts.setups, &parts.schedule, start);
+            let made = ControlLoop::new(rig, &settings, &parts.setups, &parts.schedule, start);
             made.ok().map(Box::new)
         });
         let rig = rig.filter(|_| control.is_some());
@@ -67,8 +67,8 @@ impl Node {
         let setup = Setup { about, settings, is_bad, rig, tick_s, line_bps: LINE_BPS };
         Ok(Self {
             control,
-            desk: Box::new(Desk::new(store, setup, first_session)),
-            mail: Box::new(Alone(RefCell::new(Mail::new(disarmed)))),
+            desk: Box::new(BackgroundTask::new(store, setup, first_session)),
+            mail: Box::new(SingleThreaded(RefCell::new(Mail::new(disarmed)))),
         })
     }
 }
@@ -102,7 +102,7 @@ impl Safety for Pins<'_> {
 }
 
 /// Line to the host, and flash as memory.
-pub(super) struct Desktop<'d> {
+pub(super) struct HostPort<'d> {
     pub(super) now_us: u64,
     pub(super) came: &'d mut VecDeque<u8>,
     pub(super) said: &'d mut VecDeque<u8>,
@@ -110,7 +110,7 @@ pub(super) struct Desktop<'d> {
     pub(super) lent: &'d mut Vec<&'static [u8]>,
 }
 
-impl Port<'static> for Desktop<'_> {
+impl Port<'static> for HostPort<'_> {
     fn now_us(&self) -> u64 {
         self.now_us
     }

@@ -9,7 +9,7 @@ use sinew_firmware::node::{Next, RIG_SCHEMA};
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{About, Capacities, Release, Version};
 use sinew_servo_sim::bench::Branch;
-use sinew_servo_sim::line::{Line, Wired as _, run_all};
+use sinew_servo_sim::line::{Line, LineDevice as _, run_all};
 use sinew_servo_sim::load::Plant;
 use sinew_servo_sim::plant::{Hand, RigPlant};
 use sinew_storage::{Approver, Descriptor, Kind, Store};
@@ -17,10 +17,10 @@ use thiserror::Error;
 
 use super::bus::{AllLines, Servos};
 use super::flash::{Chip, TABLE};
-use super::node::{Desktop, Node, Pins};
+use super::node::{HostPort, Node, Pins};
 use crate::play::bus::Buses;
 use crate::play::stand::{Memory, StandError, Wires, lines};
-use crate::play::{BODIES, COORDINATES, FREEDOMS, Parts, PartsError, SERVOS, pulses};
+use crate::play::{BODIES, COORDINATES, DOFS, Parts, PartsError, SERVOS, pulses};
 
 /// Steps below the loop in each tick: they take 64 bytes each.
 const STEPS: u32 = 8;
@@ -151,7 +151,7 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
         for _ in 0..STEPS {
             let now_us = self.now_us();
             let Self { came, said, chip, lent, node, .. } = self;
-            let mut port = Desktop { now_us, came, said, chip, lent };
+            let mut port = HostPort { now_us, came, said, chip, lent };
             if node.desk.step(&mut port, &*node.mail) == Next::Restart {
                 self.restart();
                 return;
@@ -202,11 +202,11 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
 }
 
 impl SimulatedBoard<'_, RigPlant> {
-    /// Puts a hand on a freedom of the rig, or takes it away; whether there is such a freedom.
-    pub fn lead(&mut self, freedom: usize, hand: Option<Hand>) -> bool {
+    /// Puts a hand on a dof of the rig, or takes it away; whether there is such a dof.
+    pub fn lead(&mut self, dof: usize, hand: Option<Hand>) -> bool {
         // Without a line there are no servos.
         let line = self.lines.first_mut();
-        line.is_some_and(|line| line.servos.bench_mut().plant.lead(freedom, hand))
+        line.is_some_and(|line| line.servos.bench_mut().plant.lead(dof, hand))
     }
 }
 
@@ -248,7 +248,7 @@ const ABOUT: About = About {
     capacities: Capacities {
         bodies: BODIES as u16,
         coordinates: COORDINATES as u16,
-        dofs: FREEDOMS as u16,
+        dofs: DOFS as u16,
         servos: SERVOS as u16,
         slots: TABLE.slots.len() as u8,
         slot_bytes: TABLE.slots[0].total_len(),

@@ -47,10 +47,10 @@ pub(super) fn tell(node: &mut Node, parts: &Parts) -> Result<(), TwinError> {
 /// Rig, show and settings, over the link; behind the settings it begins anew with all of them.
 pub(super) fn upload(node: &mut Node, parts: &Parts, show: &[u8]) -> Result<(), TwinError> {
     let holds = node.connect()?.about.capacities;
-    let (tree, freedoms) = (parts.board.tree(), parts.board.freedoms());
+    let (tree, dofs) = (parts.board.tree(), parts.board.dofs());
     for (what, found, holds) in [
         ("bodies", tree.len(), holds.bodies),
-        ("degrees of freedom", freedoms.len(), holds.dofs),
+        ("degrees of freedom", dofs.len(), holds.dofs),
         ("coordinates", tree.coordinate_count(), holds.coordinates),
     ] {
         let holds = holds.into();

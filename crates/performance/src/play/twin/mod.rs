@@ -23,7 +23,7 @@ pub(super) use twinned::Twinned;
 
 use sinew_firmware::supervisor::{Command, Feed, State};
 use sinew_link::message::{Command as Linked, Feed as LinkedFeed};
-use sinew_qemu_node::message::{OfLoop, Packets, ToHost, ToNode};
+use sinew_qemu_node::message::{LoopMessage, Packets, ToHost, ToNode};
 use sinew_qemu_node::node::{bits, commanded};
 use sinew_servo_bus::Request;
 
@@ -151,7 +151,7 @@ impl Twin {
             let ToHost::Ticked(Some(of_loop)) = twin.node.take()? else {
                 return Err(TwinError::Version);
             };
-            let OfLoop { is_fed, outputs, state, faults, commanded: numbers } = of_loop;
+            let LoopMessage { is_fed, outputs, state, faults, commanded: numbers } = of_loop;
             let state = State::ALL.get(usize::from(state)).copied();
             let numbers = numbers.to_vec();
             let own: Vec<u8> = commanded(controller).flat_map(f32::to_le_bytes).collect();

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use sinew_qemu_node::message::ToNode;
-use sinew_servo_bus::settings::Demand;
+use sinew_servo_bus::settings::ServoRequirements;
 use sinew_servo_bus::{
     Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
 };
@@ -54,7 +54,7 @@ impl ServoBus for Twinned {
         self.twin.borrow_mut().said(self.line, bytes, own)
     }
 
-    fn compare(&mut self, asked: Option<(usize, Demand)>) {
+    fn compare(&mut self, asked: Option<(usize, ServoRequirements)>) {
         self.own.compare(asked);
     }
 

@@ -9,7 +9,7 @@
   // A mark that is shorter than a blink is not seen.
   const BLINK = 0.06;
   const isAt = (time) => ({ from_s: from, to_s: to }) => from - BLINK <= time && time <= to + BLINK;
-  const sharesAt = (time) => RIG.freedoms.map(({ effort, continuous }, index) => {
+  const sharesAt = (time) => RIG.dofs.map(({ effort, continuous }, index) => {
     const limit = effort ?? continuous;
     return limit > 0 ? Math.abs(between(COURSES.effort[index], placeOf(time))) / limit : null;
   });
@@ -40,10 +40,10 @@
   for (const { from_s: from, to_s: to } of SHOW.excesses) onStrip(from, to);
 
   // First the joint of the first excess, or the one with the most load.
-  const loads = RIG.freedoms.map(({ effort, continuous }, index) =>
+  const loads = RIG.dofs.map(({ effort, continuous }, index) =>
     COURSES.effort[index].reduce((most, x) => Math.max(most, Math.abs(x)), 0) / (effort ?? continuous ?? Infinity));
   const first = SHOW.excesses.reduce((a, b) => a && a.from_s <= b.from_s ? a : b, null);
-  if (RIG.freedoms.length > 0) choose(first?.joint ?? loads.indexOf(Math.max(...loads)));
+  if (RIG.dofs.length > 0) choose(first?.joint ?? loads.indexOf(Math.max(...loads)));
   show();
   // A rig that moves says more than one that stands; who asked for no motion starts it by hand.
   if (!still.matches) setPlaying(true);

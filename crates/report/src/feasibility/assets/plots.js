@@ -10,19 +10,19 @@ const KINDS = [
 const worded = (kind) => kind === "position" ? (x) => number(x, 1) : (x) => number(x);
 
 // Its limits: upper and lower, and what it holds for long. A limit is null where there is none.
-const limitsOf = (freedom, kind) => {
-  if (kind === "position") return freedom.position.filter((x) => x !== null);
-  return freedom[kind] === null ? [] : [-freedom[kind], freedom[kind]];
+const limitsOf = (dof, kind) => {
+  if (kind === "position") return dof.position.filter((x) => x !== null);
+  return dof[kind] === null ? [] : [-dof[kind], dof[kind]];
 };
 
 // A plot, and `now`, which says the value at a time.
 const plot = ({ kind, title, unit, factor }, joint) => {
-  const freedom = RIG.freedoms[joint];
-  const [words, scale] = [unit, factor].map((of) => of[freedom.slides ? 1 : 0]);
+  const dof = RIG.dofs[joint];
+  const [words, scale] = [unit, factor].map((of) => of[dof.slides ? 1 : 0]);
   const say = worded(kind);
   const course = COURSES[kind][joint].map((x) => x * scale);
-  const limits = limitsOf(freedom, kind).map((x) => x * scale);
-  const long = kind === "effort" && freedom.continuous !== null ? freedom.continuous : null;
+  const limits = limitsOf(dof, kind).map((x) => x * scale);
+  const long = kind === "effort" && dof.continuous !== null ? dof.continuous : null;
   let least = Infinity, most = -Infinity;
   for (const x of course) [least, most] = [Math.min(least, x), Math.max(most, x)];
   const peak = Math.max(Math.abs(least), Math.abs(most));

@@ -2,7 +2,7 @@
 const COORDINATES = SHOW.coordinates.map(unpack);
 
 // Positions of a joint: of a ball joint its turn as a whole.
-COURSES.position = RIG.freedoms.map(({ body, axis }) => {
+COURSES.position = RIG.dofs.map(({ body, axis }) => {
   const first = FIRST[body];
   if (RIG.bodies[body].kind !== "spherical") return COORDINATES[first + axis];
   const [x, y, z, w] = COORDINATES.slice(first, first + 4);

@@ -4,16 +4,16 @@
 RIG.bodies.forEach((body, index) => { if (body.kind === "spherical") given[index] = [0, 0, 0, 1]; });
 const takePose = (time, kind = "measured") => {
   const place = placeOf(time);
-  RIG.freedoms.forEach((freedom, index) => {
+  RIG.dofs.forEach((dof, index) => {
     const now = between(COURSES[kind][index], place);
-    values[index] = Number.isNaN(now) ? freedom.home : now;
+    values[index] = Number.isNaN(now) ? dof.home : now;
   });
 };
 
 (() => {
   // An error of so much is the colour's end, rad and m.
   const MOST = [10 * Math.PI / 180, 0.01];
-  const sharesAt = (time) => RIG.freedoms.map(({ slides }, index) => {
+  const sharesAt = (time) => RIG.dofs.map(({ slides }, index) => {
     const error = between(COURSES.error[index], placeOf(time));
     return Number.isNaN(error) ? null : Math.abs(error) / MOST[slides ? 1 : 0];
   });
@@ -45,7 +45,7 @@ const takePose = (time, kind = "measured") => {
 
   // First the joint with the largest error, from where the show begins on.
   const most = COURSES.error.map((course) => course.reduce((most, x) => Math.max(most, Math.abs(x) || 0), 0));
-  if (RIG.freedoms.length > 0) choose(most.indexOf(Math.max(...most)));
+  if (RIG.dofs.length > 0) choose(most.indexOf(Math.max(...most)));
   const begin = SHOW.states.find(({ name }) => name === "playing");
   if (begin) seek(begin.from_s);
   show();

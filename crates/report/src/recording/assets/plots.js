@@ -30,8 +30,8 @@ const limitedSpans = (joint) => {
 
 // A plot, and `now`, which says the values at a time.
 const plot = ({ title, lines, unit, factor, decimals, isLimited }, joint) => {
-  const freedom = RIG.freedoms[joint];
-  const [words, scale] = [unit, factor].map((of) => of[freedom.slides ? 1 : 0]);
+  const dof = RIG.dofs[joint];
+  const [words, scale] = [unit, factor].map((of) => of[dof.slides ? 1 : 0]);
   const say = (x) => Number.isNaN(x) ? "unknown" : number(x, decimals) + words;
   const courses = lines.map((line) => COURSES[line][joint].map((x) => x * scale));
   let least = Infinity, most = -Infinity;

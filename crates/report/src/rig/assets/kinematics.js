@@ -28,9 +28,9 @@ const exponential = (v) => {
 };
 
 // One number for each slider.
-const values = RIG.freedoms.map((freedom) => freedom.home);
+const values = RIG.dofs.map((dof) => dof.home);
 const OF_BODY = RIG.bodies.map(() => []);
-RIG.freedoms.forEach((freedom, index) => { OF_BODY[freedom.body][freedom.axis] = index; });
+RIG.dofs.forEach((dof, index) => { OF_BODY[dof.body][dof.axis] = index; });
 
 // Where the coordinates of each joint begin.
 const COUNT = { fixed: 0, revolute: 1, prismatic: 1, universal: 2, spherical: 4, free: 7 };
@@ -68,12 +68,12 @@ const solve = () => {
   return poses;
 };
 
-// World axis of a freedom.
-const axisOf = (freedom, poses) => {
-  const body = RIG.bodies[freedom.body];
-  const first = body.kind === "universal" && freedom.axis === 0;
-  const of = first ? poses[freedom.body].frame.q : poses[freedom.body].q;
-  return rotate(of, body.axes[freedom.axis]);
+// World axis of a dof.
+const axisOf = (dof, poses) => {
+  const body = RIG.bodies[dof.body];
+  const first = body.kind === "universal" && dof.axis === 0;
+  const of = first ? poses[dof.body].frame.q : poses[dof.body].q;
+  return rotate(of, body.axes[dof.axis]);
 };
 
 // What is to be seen of the bodies: joints, centres of mass, ends.

@@ -57,17 +57,17 @@ const stageOn = (canvas, points, show) => {
     context.lineWidth = 2.5 * ratio();
     context.stroke();
   };
-  const arc = (freedom, poses, radius) => {
-    const axis = axisOf(freedom, poses);
-    const { p } = poses[freedom.body];
+  const arc = (dof, poses, radius) => {
+    const axis = axisOf(dof, poses);
+    const { p } = poses[dof.body];
     const start = Math.abs(axis[1]) < 0.9 ? cross(axis, [0, 1, 0]) : cross(axis, [1, 0, 0]);
     const across = times(start, 1 / norm(start));
-    const now = values[RIG.freedoms.indexOf(freedom)];
+    const now = values[RIG.dofs.indexOf(dof)];
     const at = (angle) => {
       const way = angle - now;
       return project(add(p, times(add(times(across, Math.cos(way)), times(cross(axis, across), Math.sin(way))), radius)));
     };
-    const [least, most] = freedom.range;
+    const [least, most] = dof.range;
     context.beginPath();
     const center = project(p);
     context.moveTo(center.x, center.y);
@@ -127,14 +127,14 @@ const stageOn = (canvas, points, show) => {
       // In front of what it is in.
       parts.push({ depth: (a.depth + b.depth) / 2 - thick, paint: () => line(a, b, color("world"), 1.5 * ratio()) });
     }
-    RIG.freedoms.forEach((freedom, index) => {
-      const axis = axisOf(freedom, poses);
-      const { p } = poses[freedom.body];
-      const half = (freedom.slides ? 0.05 : 0.03) * size;
+    RIG.dofs.forEach((dof, index) => {
+      const axis = axisOf(dof, poses);
+      const { p } = poses[dof.body];
+      const half = (dof.slides ? 0.05 : 0.03) * size;
       const [a, b] = [-half, half].map((way) => project(add(p, times(axis, way))));
       const style = shade(shares[index]);
       parts.push({ depth: project(p).depth - 0.02 * size, paint: () => {
-        if (index === chosen && !freedom.slides) arc(freedom, poses, 0.14 * size);
+        if (index === chosen && !dof.slides) arc(dof, poses, 0.14 * size);
         line(a, b, color(index === chosen ? "focus" : "text"), 1.7 * thick * a.scale + 2 * ratio());
         line(a, b, style, 1.7 * thick * a.scale);
         if (marked(index)) ring(project(p), 0.05 * size, color("alert"));

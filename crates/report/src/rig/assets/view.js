@@ -3,27 +3,27 @@
   const play = document.getElementById("move");
   let chosen = -1;
 
-  const share = (load, freedom) => freedom.capacity > 0 ? Math.abs(load) / freedom.capacity : 0;
+  const share = (load, dof) => dof.capacity > 0 ? Math.abs(load) / dof.capacity : 0;
   const number = (signed) => {
     // No zero below zero.
     const x = Math.abs(signed) < 0.0005 ? 0 : signed;
     return Math.abs(x) >= 100 ? x.toFixed(0) : Math.abs(x) >= 1 ? x.toFixed(2) : x.toFixed(3);
   };
   const degrees = (x) => (x * 180 / Math.PI).toFixed(1) + "°";
-  const shown = (freedom, x) => freedom.slides ? (x * 1000).toFixed(1) + " mm" : degrees(x);
+  const shown = (dof, x) => dof.slides ? (x * 1000).toFixed(1) + " mm" : degrees(x);
 
   // ---- Sliders ----
-  const rows = RIG.freedoms.map((freedom, index) => {
+  const rows = RIG.dofs.map((dof, index) => {
     const row = document.createElement("li");
     const id = `joint-${index}`;
     const label = document.createElement("label");
     label.htmlFor = id;
     const name = document.createElement("span");
-    name.textContent = freedom.name;
+    name.textContent = dof.name;
     const value = document.createElement("span");
     label.append(name, value);
     const slider = document.createElement("input");
-    Object.assign(slider, { type: "range", id, min: freedom.range[0], max: freedom.range[1], step: "any" });
+    Object.assign(slider, { type: "range", id, min: dof.range[0], max: dof.range[1], step: "any" });
     slider.addEventListener("input", () => { stop(); values[index] = Number(slider.value); chosen = index; show(); });
     slider.addEventListener("focus", () => { chosen = index; show(); });
     slider.addEventListener("keydown", (event) => {
@@ -31,7 +31,7 @@
       const way = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 }[event.key];
       if (!way) return;
       event.preventDefault();
-      const [least, most] = freedom.range;
+      const [least, most] = dof.range;
       stop();
       values[index] = Math.min(Math.max(values[index] + way * (most - least) / 50, least), most);
       show();
@@ -46,8 +46,8 @@
     const worst = document.createElement("button");
     worst.type = "button";
     worst.textContent = "Worst pose";
-    worst.setAttribute("aria-label", `Worst pose of ${freedom.name}`);
-    worst.addEventListener("click", () => { stop(); chosen = index; take(freedom.worst); show(); });
+    worst.setAttribute("aria-label", `Worst pose of ${dof.name}`);
+    worst.addEventListener("click", () => { stop(); chosen = index; take(dof.worst); show(); });
     load.append(words, worst);
     row.append(label, slider, load);
     list.append(row);
@@ -70,17 +70,17 @@
       const poses = solve();
       const efforts = loads(poses);
       rows.forEach((row, index) => {
-        const freedom = RIG.freedoms[index];
+        const dof = RIG.dofs[index];
         row.slider.value = values[index];
-        row.slider.setAttribute("aria-valuetext", shown(freedom, values[index]));
-        row.value.textContent = shown(freedom, values[index]) + (freedom.limited ? "" : " (no limit)");
-        const unit = freedom.slides ? "N" : "N m";
-        const of = freedom.capacity > 0
-          ? `, ${(100 * share(efforts[index], freedom)).toFixed(0)} % of ${number(freedom.capacity)}` : "";
+        row.slider.setAttribute("aria-valuetext", shown(dof, values[index]));
+        row.value.textContent = shown(dof, values[index]) + (dof.limited ? "" : " (no limit)");
+        const unit = dof.slides ? "N" : "N m";
+        const of = dof.capacity > 0
+          ? `, ${(100 * share(efforts[index], dof)).toFixed(0)} % of ${number(dof.capacity)}` : "";
         row.text.textContent = `${number(efforts[index])} ${unit}${of}`;
-        row.swatch.style.background = shade(share(efforts[index], freedom));
+        row.swatch.style.background = shade(share(efforts[index], dof));
       });
-      draw(poses, RIG.freedoms.map((freedom, index) => share(efforts[index], freedom)), { chosen });
+      draw(poses, RIG.dofs.map((dof, index) => share(efforts[index], dof)), { chosen });
     });
   };
 
@@ -93,21 +93,21 @@
   const tick = (now) => {
     if (since === null) return;
     const time = (now - since) / 1000;
-    const turn = Math.floor(time / SECONDS) % (RIG.freedoms.length + 2);
+    const turn = Math.floor(time / SECONDS) % (RIG.dofs.length + 2);
     const phase = 2 * Math.PI * (time % SECONDS) / SECONDS;
-    RIG.freedoms.forEach((freedom, index) => {
-      const all = turn >= RIG.freedoms.length;
-      const [least, most] = freedom.range;
+    RIG.dofs.forEach((dof, index) => {
+      const all = turn >= RIG.dofs.length;
+      const [least, most] = dof.range;
       const reach = Math.sin(phase) * (all ? 0.35 : 0.8);
-      const way = reach > 0 ? most - freedom.home : freedom.home - least;
-      values[index] = index === turn || all ? freedom.home + reach * Math.min(way, freedom.slides ? 1 : 1.4) : freedom.home;
+      const way = reach > 0 ? most - dof.home : dof.home - least;
+      values[index] = index === turn || all ? dof.home + reach * Math.min(way, dof.slides ? 1 : 1.4) : dof.home;
     });
-    if (turn < RIG.freedoms.length) chosen = turn;
+    if (turn < RIG.dofs.length) chosen = turn;
     show();
     requestAnimationFrame(tick);
   };
   const start = () => {
-    if (RIG.freedoms.length === 0) return;
+    if (RIG.dofs.length === 0) return;
     since = performance.now();
     play.setAttribute("aria-pressed", "true");
     requestAnimationFrame(tick);
@@ -115,12 +115,12 @@
   play.addEventListener("click", () => since === null ? start() : stop());
   document.getElementById("home").addEventListener("click", () => {
     stop();
-    RIG.freedoms.forEach((freedom, index) => { values[index] = freedom.home; });
+    RIG.dofs.forEach((dof, index) => { values[index] = dof.home; });
     show();
   });
   document.getElementById("zero").addEventListener("click", () => {
     stop();
-    RIG.freedoms.forEach(({ range: [least, most] }, index) => { values[index] = Math.min(Math.max(0, least), most); });
+    RIG.dofs.forEach(({ range: [least, most] }, index) => { values[index] = Math.min(Math.max(0, least), most); });
     show();
   });
 

@@ -7,8 +7,8 @@
 
 use std::ops::Range;
 
-use super::course::Course;
-use super::look::pace;
+use super::course::LimitTrace;
+use super::scan::pace;
 use crate::feasibility::check::CheckError;
 use crate::feasibility::curve::{Curve, Instant};
 use crate::feasibility::efforts::{Block, Efforts};
@@ -22,7 +22,7 @@ const LONGEST_S: f64 = 20.0;
 /// Rounds of slowing: what is left then is left to the next look.
 const ROUNDS: usize = 60;
 
-/// What is known of a freedom at a place of the way.
+/// What is known of a dof at a place of the way.
 #[derive(Debug, Clone, Copy)]
 struct Place {
     /// q' and q''.
@@ -41,15 +41,15 @@ pub(super) struct Along<'a> {
     pub(super) rate_hz: f64,
     pub(super) limits: &'a Limits,
     pub(super) efforts: &'a mut Efforts,
-    /// Freedoms that are looked at, and what may hold them: where more does, pace is no help.
-    pub(super) freedoms: &'a [(usize, f64)],
+    /// Dofs that are looked at, and what may hold them: where more does, pace is no help.
+    pub(super) dofs: &'a [(usize, f64)],
 }
 
 impl Along<'_> {
     /// Slows a course down until nothing is exceeded beside the rows where something was: those with a share below 1.
     pub(super) fn slow_down(
         &mut self,
-        course: &mut Course,
+        course: &mut LimitTrace,
         seen: &[f64],
     ) -> Result<(), CheckError> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
@@ -74,7 +74,7 @@ impl Along<'_> {
 
     fn slow_down_rows(
         &mut self,
-        course: &mut Course,
+        course: &mut LimitTrace,
         rows: Range<usize>,
     ) -> Result<(), CheckError> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
@@ -83,7 +83,7 @@ impl Along<'_> {
         let mut shares = vec![1.0; rows.len()];
         for _ in 0..ROUNDS {
             shares.fill(1.0);
-            for (index, places) in places.chunks_exact(self.freedoms.len()).enumerate() {
+            for (index, places) in places.chunks_exact(self.dofs.len()).enumerate() {
                 let (row, part) = (index / parts, index % parts);
                 let at = course.pace_at(rows.start + row, part as f64 / parts as f64);
                 let share = self.share(places, at);
@@ -102,7 +102,7 @@ impl Along<'_> {
     /// Places of rows, so many in each.
     fn places(&mut self, rows: &Range<usize>, parts: usize) -> Result<Vec<Place>, CheckError> {
         let count = (rows.len() - 1) * parts + 1;
-        let mut places = Vec::with_capacity(count * self.freedoms.len());
+        let mut places = Vec::with_capacity(count * self.dofs.len());
         let mut block = Block::default();
         let [mut changing, mut holding] = [Default::default(), Default::default()];
         let mut times_s = (0..count).map(|index| {
@@ -116,12 +116,12 @@ impl Along<'_> {
             for ((_, Instant { qd, qdd, .. }, moving), (changing, holding)) in
                 block.each().zip(changing.iter().zip(&holding))
             {
-                places.extend(self.freedoms.iter().map(|(freedom, _)| Place {
-                    slope: qd[*freedom],
-                    bend: qdd[*freedom],
-                    squared: moving[*freedom] - holding[*freedom],
-                    changing: changing[*freedom] - holding[*freedom],
-                    held: holding[*freedom],
+                places.extend(self.dofs.iter().map(|(dof, _)| Place {
+                    slope: qd[*dof],
+                    bend: qdd[*dof],
+                    squared: moving[*dof] - holding[*dof],
+                    changing: changing[*dof] - holding[*dof],
+                    held: holding[*dof],
                 }));
             }
         }
@@ -131,17 +131,17 @@ impl Along<'_> {
     /// What share of its pace a course may have at a place, where that and its change are these.
     fn share(&self, places: &[Place], [pace_now, change]: [f64; 2]) -> f64 {
         let squared = pace_now * pace_now;
-        let of_freedom = |((freedom, most_held), place): (&(usize, f64), &Place)| {
+        let of_dof = |((dof, most_held), place): (&(usize, f64), &Place)| {
             let speed = place.slope * pace_now;
-            let held = place.held + self.efforts.dry_friction(*freedom, speed);
+            let held = place.held + self.efforts.dry_friction(*dof, speed);
             let effort = held
                 + place.squared * squared
                 + place.changing * change
-                + self.efforts.viscous_friction(*freedom, speed);
+                + self.efforts.viscous_friction(*dof, speed);
             let acceleration = place.bend * squared + place.slope * change;
             let efforts = (held.abs() <= *most_held).then_some([effort, held]);
-            pace(&self.limits.freedoms[*freedom], [speed, acceleration], efforts)
+            pace(&self.limits.dofs[*dof], [speed, acceleration], efforts)
         };
-        self.freedoms.iter().zip(places).map(of_freedom).fold(1.0, f64::min)
+        self.dofs.iter().zip(places).map(of_dof).fold(1.0, f64::min)
     }
 }

@@ -6,13 +6,13 @@ use crate::feasibility::low_pass::lower_envelope;
 const BRAKING_S: f64 = 0.25;
 
 /// How fast a motion goes.
-pub(super) struct Course {
+pub(super) struct LimitTrace {
     dt_s: f64,
     /// Share of the given speed at each row.
     pub(super) pace: Vec<f64>,
 }
 
-impl Course {
+impl LimitTrace {
     pub(super) fn new(dt_s: f64, rows: usize) -> Self {
         Self { dt_s, pace: vec![1.0; rows] }
     }

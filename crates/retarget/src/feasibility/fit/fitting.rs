@@ -5,16 +5,16 @@ use std::ops::Range;
 use sinew_rig::Mechanism;
 
 use super::along::Along;
-use super::course::{Course, lessen};
+use super::course::{LimitTrace, lessen};
 use super::joint::{distance, draw};
-use super::look::{Look, Looking, lower_chain, most_held};
 use super::rest::Rest;
+use super::scan::{LimitScan, ScanResult, lower_chain, most_held};
 use super::within::Within;
 use super::{Fit, FitError, FitSettings, Lowered, Smoothed, smooth};
 use crate::feasibility::check::{CheckError, Excess, Kind, Report, Tally};
 use crate::feasibility::curve::{Curve, Performance as _};
 use crate::feasibility::efforts::{Block, Efforts};
-use crate::feasibility::limits::{FreedomLimits, Limits};
+use crate::feasibility::limits::{DofLimits, Limits};
 use crate::feasibility::motion::RigMotion;
 use crate::feasibility::rows::Rows;
 
@@ -67,7 +67,7 @@ pub(super) struct Fitting<'a> {
     /// The rows within their ranges, low-passed.
     rows: Rows,
     within: Within,
-    course: Course,
+    course: LimitTrace,
     /// Of each joint the share of its way from home at each row; empty where it is whole.
     share: Vec<Vec<f64>>,
     /// Of each joint the widest low-pass: how wide, s, and how much it changed.
@@ -77,7 +77,7 @@ pub(super) struct Fitting<'a> {
     efforts: Efforts,
     /// The rows of the motion in given time, as long as neither those above nor shares change.
     still: Option<Rows>,
-    /// Freedoms that were too fast or too strong in any round.
+    /// Dofs that were too fast or too strong in any round.
     fast: Vec<bool>,
 }
 
@@ -99,7 +99,7 @@ impl<'a> Fitting<'a> {
             settings,
             dt_s: motion.dt_s,
             joints: mechanism.coordinate_ranges(),
-            course: Course::new(motion.dt_s, rows.count),
+            course: LimitTrace::new(motion.dt_s, rows.count),
             rows,
             within,
             share: vec![Vec::new(); mechanism.bodies.len()],
@@ -107,7 +107,7 @@ impl<'a> Fitting<'a> {
             ended: vec![false; mechanism.bodies.len()],
             efforts: Efforts::asked_by(mechanism, limits).map_err(CheckError::Tree)?,
             still: None,
-            fast: vec![false; limits.freedoms.len()],
+            fast: vec![false; limits.dofs.len()],
         })
     }
 
@@ -133,7 +133,7 @@ impl<'a> Fitting<'a> {
                 .excesses
                 .iter()
                 .filter(|excess| is_fast(excess))
-                .map(|excess| self.limits.freedoms[excess.freedom].joint)
+                .map(|excess| self.limits.dofs[excess.dof].joint)
                 .filter(|joint| !self.ended[*joint])
                 .collect();
             if wanted.is_empty() {
@@ -174,8 +174,8 @@ impl<'a> Fitting<'a> {
     /// What the rows exceed, at all looks or at some; and beside which looks joints that may still be smoothed are too
     /// fast or too strong.
     fn excesses_of_rows(&mut self, at: Option<&[usize]>) -> Result<(Report, Vec<usize>), FitError> {
-        let may_be_smoothed = |limits: &FreedomLimits| !self.ended[limits.joint];
-        let watched: Vec<bool> = self.limits.freedoms.iter().map(may_be_smoothed).collect();
+        let may_be_smoothed = |limits: &DofLimits| !self.ended[limits.joint];
+        let watched: Vec<bool> = self.limits.dofs.iter().map(may_be_smoothed).collect();
         let no_rows = Rows::of(0, &[]);
         let rows = std::mem::replace(&mut self.rows, no_rows);
         let curve = Curve::through(&self.joints, rows, self.dt_s);
@@ -220,7 +220,7 @@ impl<'a> Fitting<'a> {
             }
             None => Curve::through(&self.joints, still.clone(), self.dt_s),
         };
-        let looking = Looking {
+        let looking = LimitScan {
             mechanism: self.mechanism,
             limits: self.limits,
             rest: self.rest,
@@ -231,20 +231,20 @@ impl<'a> Fitting<'a> {
         };
         let look = looking.at(&curve, given_s.as_deref())?;
         drop((curve, given_s));
-        let Look { report, pace, mut share } = look;
+        let ScanResult { report, pace, mut share } = look;
         if report.excesses.is_empty() {
             self.still = Some(still);
             return Ok(Round::Within);
         }
         for excess in report.excesses.iter().filter(|excess| excess.kind == Kind::Heat) {
-            let joint = self.limits.freedoms[excess.freedom].joint;
+            let joint = self.limits.dofs[excess.dof].joint;
             for row in 0..self.rows.count {
                 let rows = [row, self.rows.count];
                 lower_chain(self.mechanism, &mut share, joint, rows, COOLING);
             }
         }
         report.excesses.iter().filter(|excess| is_fast(excess)).for_each(|excess| {
-            self.fast[excess.freedom] = true;
+            self.fast[excess.dof] = true;
         });
         self.course.slow_down(0, &pace);
         let is_lowered = self.lower(&share);
@@ -261,17 +261,17 @@ impl<'a> Fitting<'a> {
     /// Slows the course down where it was seen to be too fast, as far as is known without another look.
     fn slow_down_along(&mut self, still: &Curve, seen: &[f64]) -> Result<(), FitError> {
         let limits = self.limits;
-        let all = self.fast.iter().zip(&limits.freedoms).zip(&self.rest.holding).enumerate();
-        let freedoms: Vec<(usize, f64)> = all
+        let all = self.fast.iter().zip(&limits.dofs).zip(&self.rest.holding).enumerate();
+        let dofs: Vec<(usize, f64)> = all
             .filter(|(_, ((is_fast, _), _))| **is_fast)
-            .map(|(freedom, ((_, limits), held))| (freedom, most_held(limits, *held)))
+            .map(|(dof, ((_, limits), held))| (dof, most_held(limits, *held)))
             .collect();
         let mut along = Along {
             curve: still,
             rate_hz: self.settings.rate_hz,
             limits,
             efforts: &mut self.efforts,
-            freedoms: &freedoms,
+            dofs: &dofs,
         };
         Ok(along.slow_down(&mut self.course, seen)?)
     }
@@ -295,10 +295,8 @@ impl<'a> Fitting<'a> {
         let is_range = |excess: &&Excess| matches!(excess.kind, Kind::Range | Kind::LinkedRange);
         let mut is_crowded = false;
         for excess in report.excesses.iter().filter(is_range) {
-            self.within.widen(
-                self.limits.freedoms[excess.freedom].joint,
-                (excess.value - excess.limit).abs(),
-            );
+            self.within
+                .widen(self.limits.dofs[excess.dof].joint, (excess.value - excess.limit).abs());
             is_crowded = true;
         }
         if is_crowded {

@@ -8,8 +8,8 @@ mod along;
 mod course;
 mod fitting;
 mod joint;
-mod look;
 mod rest;
+mod scan;
 mod smooth;
 mod within;
 
@@ -113,7 +113,7 @@ pub enum FitError {
         Kind::Effort.shown(*slides, *limit)
     )]
     Heavy {
-        /// The freedom.
+        /// The dof.
         joint: String,
         /// Whether it slides.
         slides: bool,
@@ -131,7 +131,7 @@ pub enum FitError {
         kind.shown(*slides, *limit)
     )]
     OutOfReach {
-        /// The freedom.
+        /// The dof.
         joint: String,
         /// Whether it slides.
         slides: bool,
@@ -248,12 +248,12 @@ fn go_on(
     match report.excesses.iter().max_by(|a, b| beyond(a).total_cmp(&beyond(b))) {
         None => Ok(fitting.done()),
         Some(excess) => {
-            let freedom = &limits.freedoms[excess.freedom];
-            let (joint, slides) = (freedom.name.clone(), freedom.slides);
+            let dof = &limits.dofs[excess.dof];
+            let (joint, slides) = (dof.name.clone(), dof.slides);
             let Excess { kind, value, limit, worst_s, .. } = *excess;
             let rows_a_s = (given_s.len() - 1) as f64 / curve.duration_s();
             let time_s = interpolated(&given_s, worst_s * rows_a_s);
-            let held = rest.holding[excess.freedom].abs();
+            let held = rest.holding[excess.dof].abs();
             Err(if kind == Kind::Effort && held > limit {
                 FitError::Heavy { joint, slides, held, limit }
             } else {
@@ -266,7 +266,7 @@ fn go_on(
 /// The limits with room for what a show rounds, but for torques that the pose at rest takes nearly all of.
 fn kept(limits: &Limits, holding: &[f64], share: f64) -> Limits {
     let mut kept = limits.at(share);
-    for ((kept, limits), held) in kept.freedoms.iter_mut().zip(&limits.freedoms).zip(holding) {
+    for ((kept, limits), held) in kept.dofs.iter_mut().zip(&limits.dofs).zip(holding) {
         kept.effort = kept.effort.max(HOME_AND_MORE * held.abs()).min(limits.effort);
     }
     kept

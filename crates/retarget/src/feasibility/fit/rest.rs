@@ -1,7 +1,7 @@
 //! The pose that a motion is drawn towards where gravity or heat asks for too much.
 
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::Freedom;
+use sinew_rig::mechanism::JointModel;
 
 use super::super::check::CheckError;
 use super::super::curve::Instant;
@@ -17,7 +17,7 @@ const STEPS: [f64; 2] = [0.2, 0.003];
 /// A pose at rest, and what holds it.
 pub(super) struct Rest {
     pub(super) q: Vec<f64>,
-    /// Of each freedom, N m or N.
+    /// Of each dof, N m or N.
     pub(super) holding: Vec<f64>,
 }
 
@@ -52,7 +52,7 @@ impl Rest {
     ) -> Result<bool, CheckError> {
         let mut is_lighter = false;
         for (link, numbers) in mechanism.bodies.iter().zip(mechanism.coordinate_ranges()) {
-            if !matches!(link.joint, Freedom::Revolute(_) | Freedom::Prismatic(_)) {
+            if !matches!(link.joint, JointModel::Revolute(_) | JointModel::Prismatic(_)) {
                 continue;
             }
             for by in [step, -step] {
@@ -70,17 +70,17 @@ impl Rest {
     }
 
     fn hold(&mut self, efforts: &mut Efforts, limits: &Limits) -> Result<(), CheckError> {
-        let still = vec![0.0; limits.freedoms.len()];
+        let still = vec![0.0; limits.dofs.len()];
         let instant = Instant { q: self.q.clone(), qd: still.clone(), qdd: still };
         efforts
             .at(&instant, &mut self.holding)
             .map_err(|source| CheckError::Instant { time_s: 0.0, source })
     }
 
-    /// How much too heavy it is, as a sum of squares over the freedoms: 0 if it is light enough.
+    /// How much too heavy it is, as a sum of squares over the dofs: 0 if it is light enough.
     fn excess(&self, limits: &Limits) -> f64 {
-        let of_freedoms = self.holding.iter().zip(&limits.freedoms);
-        of_freedoms
+        let of_dofs = self.holding.iter().zip(&limits.dofs);
+        of_dofs
             .map(|(held, limits)| (held.abs() / limits.effort - LIGHT).max(0.0))
             .map(|excess| excess * excess)
             .sum()

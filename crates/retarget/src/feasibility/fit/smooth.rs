@@ -1,7 +1,7 @@
 //! A low-pass of single joints, as far as that changes little.
 
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::Freedom;
+use sinew_rig::mechanism::JointModel;
 
 use super::joint::{distance, normalize};
 use crate::feasibility::low_pass::low_pass;
@@ -25,7 +25,7 @@ pub(super) fn smooth(
 ) -> Option<f64> {
     let link = &mechanism.bodies[joint];
     let most = match (link.joint, link.ranges.first()) {
-        (Freedom::Prismatic(_), Some([low, high])) => most.min(MOST_OF_RANGE * (high - low)),
+        (JointModel::Prismatic(_), Some([low, high])) => most.min(MOST_OF_RANGE * (high - low)),
         _ => most,
     };
     let numbers = mechanism.coordinate_ranges()[joint].clone();

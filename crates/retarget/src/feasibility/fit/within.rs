@@ -12,7 +12,7 @@ const MOST_ROOM: f64 = 0.02;
 
 /// Where the joints may be, and what was done for it.
 pub(super) struct Within {
-    /// Of each joint its numbers in a row, and its freedoms.
+    /// Of each joint its numbers in a row, and its dofs.
     joints: Vec<[Range<usize>; 2]>,
     /// How far from the ends of its range each joint stays, rad or m.
     pub(super) room: Vec<f64>,
@@ -28,9 +28,9 @@ impl Within {
             .iter()
             .zip(mechanism.coordinate_ranges())
             .map(|(link, numbers)| {
-                let freedoms = first..first + link.joint.kind().degrees_of_freedom();
-                first = freedoms.end;
-                [numbers, freedoms]
+                let dofs = first..first + link.joint.kind().dof_count();
+                first = dofs.end;
+                [numbers, dofs]
             })
             .collect();
         let count = joints.len();
@@ -44,15 +44,15 @@ impl Within {
 
     /// Brings a row within the limits.
     pub(super) fn bring(&mut self, limits: &Limits, row: &mut [f64]) {
-        for (joint, [numbers, freedoms]) in self.joints.iter().enumerate() {
+        for (joint, [numbers, dofs]) in self.joints.iter().enumerate() {
             let of_joint = &mut row[numbers.clone()];
             let (mut change, mut room) = (0.0_f64, self.room[joint]);
             if let Some((_, most_rad)) = limits.turns.iter().find(|(body, _)| *body == joint) {
                 room = room.min(MOST_ROOM * most_rad);
                 change = turn_within(of_joint, most_rad - room);
-            } else if of_joint.len() == freedoms.len() {
-                for (position, freedom) in of_joint.iter_mut().zip(freedoms.clone()) {
-                    let [least, most] = limits.freedoms[freedom].range;
+            } else if of_joint.len() == dofs.len() {
+                for (position, dof) in of_joint.iter_mut().zip(dofs.clone()) {
+                    let [least, most] = limits.dofs[dof].range;
                     let own = room.min(MOST_ROOM * (most - least));
                     let kept = position.max(least + own).min(most - own);
                     // What is only the room at the ends is no news.

@@ -5,7 +5,7 @@ use sinew_mocap::{Clip, JointSample, Skeleton, SkeletonJoint};
 use sinew_retarget::performer::PerformerJoints;
 use sinew_retarget::{Landmark, LandmarkMap, Side};
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::{Freedom, Link};
+use sinew_rig::mechanism::{JointModel, Link};
 
 /// What a turn about `a` is in a mirror along x = 0.
 pub(crate) fn mirrored_axis(a: DVec3) -> DVec3 {
@@ -17,7 +17,7 @@ pub(crate) fn figure(range_rad: f64, speed: f64) -> Mechanism {
     let mut bodies = vec![Link {
         name: "pelvis".to_owned(),
         joint_name: "pelvis".to_owned(),
-        ..Link::on(None, Freedom::Free, DVec3::ZERO)
+        ..Link::on(None, JointModel::Free, DVec3::ZERO)
     }];
     let mut add = |name: &str, parent: usize, axis: DVec3, position_m: DVec3, range: [f64; 2]| {
         bodies.push(Link {
@@ -26,7 +26,7 @@ pub(crate) fn figure(range_rad: f64, speed: f64) -> Mechanism {
             mass_kg: 0.3,
             ranges: vec![range.map(|end: f64| end.clamp(-range_rad, range_rad))],
             speed,
-            ..Link::on(Some(parent), Freedom::Revolute(axis), position_m)
+            ..Link::on(Some(parent), JointModel::Revolute(axis), position_m)
         });
         bodies.len() - 1
     };

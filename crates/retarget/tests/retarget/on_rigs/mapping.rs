@@ -7,7 +7,7 @@ use sinew_retarget::rig::RigMatch;
 use sinew_retarget::solve::{Limb, bake};
 use sinew_retarget::{Landmark, Side};
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::{Freedom, Link};
+use sinew_rig::mechanism::{JointModel, Link};
 
 use super::examples::{Gait, figure, joints, walk};
 
@@ -100,9 +100,9 @@ fn a_face_follows_curves_alone() {
         joint_name: name.to_owned(),
         ranges: vec![[-0.2, 0.3]],
         speed: 2.0,
-        ..Link::on(Some(0), Freedom::Revolute(DVec3::X), DVec3::ZERO)
+        ..Link::on(Some(0), JointModel::Revolute(DVec3::X), DVec3::ZERO)
     };
-    let skull = Link::on(None, Freedom::Fixed, DVec3::ZERO);
+    let skull = Link::on(None, JointModel::Fixed, DVec3::ZERO);
     let mechanism =
         Mechanism { bodies: vec![skull, turn("jaw"), turn("brow")], linked: Vec::new() };
     let text = "[[curve]]\nclip = \"LeftLeg\"\naxis = [1, 0, 0]\nrig = \"jaw\"\npoints_deg = [[0, 0], [40, 20]]\n";

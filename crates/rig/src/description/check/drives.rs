@@ -118,7 +118,7 @@ fn check_matrix(
     rows: &[Vec<f64>],
     offset: &[f64],
 ) -> Result<(), DescriptionError> {
-    let freedoms: usize = joints.iter().map(|joint| joint.kind.degrees_of_freedom()).sum();
+    let dofs: usize = joints.iter().map(|joint| joint.kind.dof_count()).sum();
     let servos = drive.servos.len();
     let at = [Step::Key("matrix"), Step::Key("rows")];
     for (place, row) in rows.iter().enumerate() {
@@ -129,8 +129,8 @@ fn check_matrix(
             return Err(part.refuse(&at, expected, format!("{} numbers", row.len())));
         }
     }
-    if rows.len() != freedoms {
-        let expected = format!("a row for each of the {freedoms} degrees of freedom of its joints");
+    if rows.len() != dofs {
+        let expected = format!("a row for each of the {dofs} degrees of freedom of its joints");
         return Err(part.refuse(&at, expected, format!("{} rows", rows.len())));
     }
     let at = [Step::Key("matrix"), Step::Key(UnitKeys::of(joints.iter().copied()).offset)];
@@ -157,9 +157,9 @@ fn one_to_one(
     joints: &[&Joint],
     kind: &'static str,
 ) -> Result<(), DescriptionError> {
-    let freedoms: usize = joints.iter().map(|joint| joint.kind.degrees_of_freedom()).sum();
+    let dofs: usize = joints.iter().map(|joint| joint.kind.dof_count()).sum();
     for (key, count, expected) in [
-        ("joints", freedoms, "one joint of one degree of freedom"),
+        ("joints", dofs, "one joint of one degree of freedom"),
         ("servos", drive.servos.len(), "one servo"),
     ] {
         if count != 1 {

@@ -37,7 +37,7 @@ pub(super) fn read<'a, 'd>(
         let element = model.defaults.element(node, &tags, MAIN)?;
         let Some(joint) = single(description, name) else {
             if description.joints.iter().any(|joint| joint.name == name) {
-                let text = "actuators of joints with several freedoms";
+                let text = "actuators of joints with several dofs";
                 notes.add_of(NoteKind::LeftOut, text, name);
             } else if model.options.cut.is_empty() && !is_in_file(root, name) {
                 return Err(xml::refuse_value(node, "joint", "a joint of the file"));

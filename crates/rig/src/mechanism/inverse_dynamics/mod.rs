@@ -35,7 +35,7 @@ impl InverseDynamics {
             motion: Box::new(JointTargets::rest(&tree)),
             scratch: vec![BodyMotion::default(); tree.len()],
             wrenches: vec![Wrench::ZERO; tree.len()],
-            efforts: vec![0.0; tree.degrees_of_freedom()],
+            efforts: vec![0.0; tree.dof_count()],
             side_by_side: SideBySide::new(tree.bodies()),
             tree,
         })

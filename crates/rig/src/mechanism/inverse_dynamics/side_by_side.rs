@@ -68,7 +68,7 @@ impl SideBySide {
             .iter()
             .map(|body| {
                 let [q, qd] = ends;
-                ends = [q + body.joint.coordinate_count(), qd + body.joint.degrees_of_freedom()];
+                ends = [q + body.joint.coordinate_count(), qd + body.joint.dof_count()];
                 [q..ends[0], qd..ends[1]]
             })
             .collect();

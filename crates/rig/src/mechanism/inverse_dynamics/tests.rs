@@ -1,7 +1,7 @@
 use glam::{DMat3, DQuat, DVec3, Vec3Swizzles as _};
 
 use super::*;
-use crate::mechanism::{Freedom, Link};
+use crate::mechanism::{JointModel, Link};
 
 /// Numbers from -1 to 1, the same in every run.
 struct Random(u32);
@@ -22,19 +22,19 @@ impl Random {
 }
 
 /// A tree of joints of every kind, in any place, some with rotors.
-fn rig(random: &mut Random, base: Freedom) -> Mechanism {
+fn rig(random: &mut Random, base: JointModel) -> Mechanism {
     let (x, z) = (DVec3::X, DVec3::Z);
     let kinds = [
         base,
-        Freedom::Revolute(DVec3::new(0.48, -0.64, 0.6)),
-        Freedom::Universal([x, z]),
-        Freedom::Fixed,
-        Freedom::Revolute(z),
-        Freedom::Spherical,
-        Freedom::Prismatic(x),
-        Freedom::Revolute(x),
+        JointModel::Revolute(DVec3::new(0.48, -0.64, 0.6)),
+        JointModel::Universal([x, z]),
+        JointModel::Fixed,
+        JointModel::Revolute(z),
+        JointModel::Spherical,
+        JointModel::Prismatic(x),
+        JointModel::Revolute(x),
     ];
-    let body = |(index, joint): (usize, Freedom)| {
+    let body = |(index, joint): (usize, JointModel)| {
         let parent = (index > 0).then(|| index - 1 - (index * 7) % index.min(3));
         let lengths = random.vector().abs() + 0.1;
         Link {
@@ -62,7 +62,7 @@ fn motion(random: &mut Random, mechanism: &Mechanism, most: f64) -> [Vec<f64>; 3
             of_all[0].extend((0..count).map(|_| most * random.next()));
         }
         for (of_all, most) in of_all[1..].iter_mut().zip([10.0, 300.0]) {
-            of_all.extend((0..kind.degrees_of_freedom()).map(|_| most * random.next()));
+            of_all.extend((0..kind.dof_count()).map(|_| most * random.next()));
         }
     }
     // Zeros of both signs, too.
@@ -82,7 +82,7 @@ fn motion(random: &mut Random, mechanism: &Mechanism, most: f64) -> [Vec<f64>; 3
 fn side_by_side_has_the_bits_of_one_after_the_other() {
     let mut random = Random(1);
     for round in 0..200 {
-        let base = if round % 2 == 0 { Freedom::Fixed } else { Freedom::Free };
+        let base = if round % 2 == 0 { JointModel::Fixed } else { JointModel::Free };
         let mechanism = rig(&mut random, base);
         let mut dynamics = InverseDynamics::of(&mechanism).unwrap();
         // Within the range in which the core takes a polynomial, and beyond it and a turn.
@@ -107,9 +107,9 @@ fn side_by_side_has_the_bits_of_one_after_the_other() {
 
 #[test]
 fn what_the_core_refuses_is_refused_side_by_side() {
-    let hinge = Link::on(Some(0), Freedom::Revolute(DVec3::X), DVec3::ZERO);
-    let ball = Link::on(Some(1), Freedom::Spherical, DVec3::ZERO);
-    let base = Link::on(None, Freedom::Fixed, DVec3::ZERO);
+    let hinge = Link::on(Some(0), JointModel::Revolute(DVec3::X), DVec3::ZERO);
+    let ball = Link::on(Some(1), JointModel::Spherical, DVec3::ZERO);
+    let base = Link::on(None, JointModel::Fixed, DVec3::ZERO);
     let mechanism = Mechanism { bodies: vec![base, hinge, ball], linked: vec![] };
     let mut dynamics = InverseDynamics::of(&mechanism).unwrap();
     let mut q = [[0.0; LANES]; 5];

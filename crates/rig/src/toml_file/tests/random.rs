@@ -218,21 +218,21 @@ fn limits(r: &mut Random, joints: &[Joint]) -> Vec<LinkedLimit> {
 fn drives(r: &mut Random, joints: &[Joint]) -> (Vec<Drive>, Vec<Servo>) {
     let (mut drives, mut servos) = (Vec::new(), Vec::new());
     for joint in joints {
-        let freedoms = joint.kind.degrees_of_freedom();
+        let dofs = joint.kind.dof_count();
         if matches!(joint.kind, JointType::Fixed | JointType::Free) || r.below(4) == 0 {
             continue;
         }
         let slides = joint.kind == JointType::Prismatic;
         let of_joint = |r: &mut Random| if slides { r.number() } else { r.angle() };
-        let mut columns = freedoms;
+        let mut columns = dofs;
         let kind = match r.below(5) {
-            0 => DriveKind::one_to_one(freedoms),
-            1 if freedoms == 1 => DriveKind::Curve { points: curve(r, slides) },
+            0 => DriveKind::one_to_one(dofs),
+            1 if dofs == 1 => DriveKind::Curve { points: curve(r, slides) },
             2 if joint.kind == JointType::Revolute => four_bar(r),
             _ => {
                 columns += r.below(2);
-                let offset = r.perhaps(|r| (0..freedoms).map(|_| of_joint(r)).collect());
-                let rows = rows(r, freedoms, columns);
+                let offset = r.perhaps(|r| (0..dofs).map(|_| of_joint(r)).collect());
+                let rows = rows(r, dofs, columns);
                 DriveKind::Matrix { rows, offset: offset.unwrap_or_default() }
             }
         };
@@ -250,12 +250,12 @@ fn drives(r: &mut Random, joints: &[Joint]) -> (Vec<Drive>, Vec<Servo>) {
     (drives, servos)
 }
 
-/// Far from singular: each freedom has a servo of its own, which the others only join.
-fn rows(r: &mut Random, freedoms: usize, servos: usize) -> Vec<Vec<f64>> {
+/// Far from singular: each dof has a servo of its own, which the others only join.
+fn rows(r: &mut Random, dofs: usize, servos: usize) -> Vec<Vec<f64>> {
     let entry = |r: &mut Random, own: bool| {
         if own { (500 + r.below(1001)) as f64 / 1000.0 } else { (1 + r.below(100)) as f64 / 1000.0 }
     };
-    (0..freedoms).map(|row| (0..servos).map(|column| entry(r, row == column)).collect()).collect()
+    (0..dofs).map(|row| (0..servos).map(|column| entry(r, row == column)).collect()).collect()
 }
 
 /// Monotone, of slopes that differ by less than a curve's may. In degrees, or in degrees and metres.

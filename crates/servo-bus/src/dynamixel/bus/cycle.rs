@@ -11,7 +11,7 @@ use crate::dynamixel::instruction::{Instruction, Span};
 use crate::dynamixel::status::Status;
 use crate::dynamixel::table::address;
 use crate::servo_state::check_finite;
-use crate::settings::Demand;
+use crate::settings::ServoRequirements;
 use crate::table::ByteOrder;
 use crate::{
     Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
@@ -127,7 +127,7 @@ impl<const S: usize> ServoBus for Bus<S> {
         }
     }
 
-    fn compare(&mut self, asked: Option<(usize, Demand)>) {
+    fn compare(&mut self, asked: Option<(usize, ServoRequirements)>) {
         self.comparison = asked.map(|(servo, demand)| Comparison::new(servo, demand));
     }
 

@@ -14,7 +14,7 @@ use super::parser::Parser;
 use super::table::{Table, address};
 use crate::compare::{Comparison, patient_us};
 use crate::servo_state::{check_servos, servos_of};
-use crate::settings::{self, DYNAMIXEL_WATCHDOG, Demand, Setting};
+use crate::settings::{self, DYNAMIXEL_WATCHDOG, ServoRequirements, Setting};
 use crate::{EncodeError, Request, Schedule, SetupError};
 use servo::{Goals, Servo};
 pub use setup::{Mode, ServoSetup, Settings, traffic};
@@ -286,6 +286,9 @@ impl<const S: usize> Bus<S> {
 }
 
 /// What a servo must hold in its registers. Where they are does not depend on the firmware.
-fn settings_of(servo: &Servo, demand: Demand) -> impl Iterator<Item = Setting> + Clone + use<> {
+fn settings_of(
+    servo: &Servo,
+    demand: ServoRequirements,
+) -> impl Iterator<Item = Setting> + Clone + use<> {
     settings::dynamixel_limp(Table { model: servo.setup.model, firmware: u8::MAX }, demand)
 }

@@ -10,7 +10,7 @@ use crate::feetech::instruction::Instruction;
 use crate::feetech::status::Status;
 use crate::feetech::table::{Family, address};
 use crate::servo_state::check_finite;
-use crate::settings::{self, Demand};
+use crate::settings::{self, ServoRequirements};
 use crate::{
     Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
 };
@@ -124,7 +124,7 @@ impl<const S: usize> ServoBus for Bus<S> {
             .any(|(index, servo)| is_asked(index) && servo.state.is_awaited)
     }
 
-    fn compare(&mut self, asked: Option<(usize, Demand)>) {
+    fn compare(&mut self, asked: Option<(usize, ServoRequirements)>) {
         self.registers.comparison = asked.map(|(servo, demand)| Comparison::new(servo, demand));
     }
 

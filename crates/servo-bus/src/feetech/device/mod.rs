@@ -1,6 +1,6 @@
 //! A servo's side of the protocol, over a memory image that the caller owns.
 
-mod obey;
+mod execute;
 
 use heapless::{Deque, Vec};
 

@@ -18,7 +18,7 @@ pub(crate) const SMALL: BoardTable = BoardTable {
         Area { start: 0x4000, sector_len: 0x400, sectors: 2 },
         Area { start: 0x5000, sector_len: 0x400, sectors: 2 },
     ],
-    capacity: Capacity { bodies: 4, degrees_of_freedom: 4, servos: 3 },
+    capacity: Capacity { bodies: 4, dofs: 4, servos: 3 },
 };
 
 pub(crate) fn approver() -> Approver {

@@ -18,7 +18,8 @@ use sinew_bench::rig::{DT_S, Rig};
 use sinew_bench::{Frames, Root, figure, poses, states};
 use sinew_core::control::{Limited, TorqueLimit};
 use sinew_core::dynamics::{
-    ArticulatedBody, CompositeBody, Resolved, forward_dynamics, mass_matrix, resolved_acceleration,
+    ArticulatedBody, CompositeBody, ResolvedAccelerationScratch, forward_dynamics, mass_matrix,
+    resolved_acceleration,
 };
 use sinew_core::glam::Vec3;
 use sinew_core::importance::{RestPose, cylinder_surface, descendants_length};
@@ -28,17 +29,19 @@ use sinew_core::projection::{BodyWeight, BodyWeights, ManifoldProjection, Projec
 use sinew_core::state_error::{
     self, AimStatus, Aims, Compensation, Method, References, StateError,
 };
-use sinew_core::tracker::{MethodName, ROTATION_M, Settings, StepError, Timing, Tracker};
+use sinew_core::tracker::{
+    MethodName, RECOMMENDED_ROTATION_WEIGHT_M, Settings, StepError, Timing, Tracker,
+};
 use sinew_core::trajectory::{aligned_targets, backward_states};
 use sinew_core::{
-    BodyState, Controller, ForwardDifferences, JointState, JointStates, JointTargets,
-    StateInputError, Transform, Tree, Twist, Workspace, Wrench, kinematics,
+    BodyState, ForwardDifferences, JointState, JointStates, JointTargets, StateInputError,
+    TorqueController, Transform, Tree, Twist, Workspace, Wrench, kinematics,
 };
 
 /// The commands on their way that observers have room for.
 const ROOM: usize = 8;
 
-/// Of the mass matrix of 32 bodies: three freedoms each, and six of the root.
+/// Of the mass matrix of 32 bodies: three dofs each, and six of the root.
 const MATRIX_LEN: usize = (3 * 32 + 3) * (3 * 32 + 3);
 
 #[entry]
@@ -200,7 +203,7 @@ fn errors<const N: usize>(tree: &Tree<N>) {
     black_box(errors);
 
     let weights = BodyWeights::rotations(tree);
-    let mut scratch = [Resolved::ZERO; N];
+    let mut scratch = [ResolvedAccelerationScratch::ZERO; N];
     let mut accelerations = [Twist::ZERO; N];
     count::<N>("resolved_acceleration", |_| {
         accelerations.fill(Twist::new(Vec3::X, Vec3::Y));
@@ -245,7 +248,7 @@ fn others<const N: usize>(
     tree: &Tree<N>,
     frames: &[[Transform; N]; FRAMES],
 ) -> Result<(), &'static str> {
-    let weights = [BodyWeight::new(1.0, ROTATION_M); N];
+    let weights = [BodyWeight::new(1.0, RECOMMENDED_ROTATION_WEIGHT_M); N];
     let projection = ManifoldProjection::new(tree, &weights).map_err(|_| "no projection")?;
     let mut workspace = ProjectionWorkspace::new();
     let mut nearest = [Transform::IDENTITY; N];
@@ -347,7 +350,7 @@ fn ticks_of_boards<const N: usize>(
 fn types<const N: usize>() {
     for (name, bytes) in [
         ("Tree", size_of::<Tree<N>>()),
-        ("Controller", size_of::<Controller<N>>()),
+        ("Controller", size_of::<TorqueController<N>>()),
         ("ForwardDifferences", size_of::<ForwardDifferences<N>>()),
         ("JointTargets", size_of::<JointTargets<N>>()),
         ("JointStates", size_of::<JointStates<N>>()),

@@ -125,7 +125,7 @@ impl<'a> Performance<'a> {
         for poses in &mut poses {
             enlarge(poses);
         }
-        let counts = [tree.coordinate_count(), tree.degrees_of_freedom()];
+        let counts = [tree.coordinate_count(), tree.dof_count()];
         Self { kind, counts, measured: instants, poses, joints: N }
     }
 
@@ -166,7 +166,7 @@ fn tick_of_rig<const N: usize>(
     let mut tracker =
         Tracker::new(tree.clone(), &settings, timing).map_err(|_| "there is no such tracker")?;
     let mut efforts = [0.0; 3 * MOST_JOINTS];
-    let efforts = &mut efforts[..tree.degrees_of_freedom()];
+    let efforts = &mut efforts[..tree.dof_count()];
     count_tick::<N, _>(name, |run| {
         let measured = performance.measured(run);
         rig_tick(&mut tracker, &mut performance, run + LAG_FRAMES, measured, efforts)

@@ -12,7 +12,7 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use sinew_bench::emulated::{self, count_tick};
 
-use stand::{Bus, Controller, Rig, Stand};
+use stand::{Bus, MotionController, Rig, Stand};
 
 /// An arm of so many servos, and a show of it (`build.rs`).
 macro_rules! arm {
@@ -78,7 +78,7 @@ where
     let mut stand = Stand::new(&board, crc, show)?;
     count_tick::<N, _>("loop_recommended", |_| loop_tick::<N>(&mut stand))?;
     for (name, bytes) in [
-        ("loop_controller", size_of::<Controller<B, N>>()),
+        ("loop_controller", size_of::<MotionController<B, N>>()),
         ("loop_rig", size_of::<Rig<B, N>>()),
         ("loop_bus", size_of::<Bus<N>>()),
         // Stored, not in RAM.

@@ -4,18 +4,18 @@ use core::array;
 use core::f32::consts::{PI, TAU};
 
 use sinew_firmware::controller::{
-    Controller as Loop, ControllerSettings, Inputs, ServoSetup, Start, Wire, exchange,
+    ControllerSettings, Inputs, MotionController as Loop, ServoSetup, Start, Wire, exchange,
 };
 use sinew_firmware::drives::{CurrentSettings, CutOff, DriveSettings, Encoder};
 use sinew_firmware::supervisor::detect::{HeatSettings, SupplySettings, WindingSettings};
 use sinew_firmware::supervisor::{Command, FaultSet, Feed, State};
 use sinew_rig::board::BoardRig;
 use sinew_servo_bus::dynamixel::{
-    self, Device, Mode, ServoSetup as OnBus, Settings,
+    self, Device, Mode, ServoSetup as BusServo, Settings,
     table::{Table, address},
     traffic,
 };
-use sinew_servo_bus::settings::Demand;
+use sinew_servo_bus::settings::ServoRequirements;
 use sinew_servo_bus::{
     Command as BusCommand, CommandError, Compared, EncodeError, Feedback, Health, Limit, Line,
     Request, Schedule, ServoBus, Timing,
@@ -23,7 +23,7 @@ use sinew_servo_bus::{
 
 /// The arm's compact form.
 pub(crate) type Rig<const B: usize, const N: usize> = BoardRig<B, N, N>;
-pub(crate) type Controller<'a, const B: usize, const N: usize> = Loop<'a, B, N, N, N>;
+pub(crate) type MotionController<'a, const B: usize, const N: usize> = Loop<'a, B, N, N, N>;
 pub(crate) type Bus<const N: usize> = dynamixel::Bus<N>;
 
 /// All servos are read in every tick.
@@ -45,7 +45,7 @@ const PATIENCE: u32 = 400;
 
 /// Controller, bus, and what servos answer.
 pub(crate) struct Stand<'a, const B: usize, const N: usize> {
-    controller: Controller<'a, B, N>,
+    controller: MotionController<'a, B, N>,
     bus: Unregistered<N>,
     answers: Answers<N>,
     ticks: u32,
@@ -96,7 +96,7 @@ impl<'a, const B: usize, const N: usize> Stand<'a, B, N> {
         let mut controller = controller.map_err(|_| "the controller refuses the rig")?;
         controller.load_show(Some(show)).map_err(|_| "the show is refused")?;
         let table = Table::of(MODEL, 52).ok_or("no such model")?;
-        let setups: [OnBus; N] = array::from_fn(|index| OnBus {
+        let setups: [BusServo; N] = array::from_fn(|index| BusServo {
             id: id(index),
             model: table.model,
             mode: Mode::Current,
@@ -117,7 +117,7 @@ impl<'a, const B: usize, const N: usize> Stand<'a, B, N> {
     fn until_it_plays(&mut self, rig: &Rig<B, N>, table: Table) -> Result<(), &'static str> {
         let homes: [f32; N] = array::from_fn(|index| {
             let own = rig.servos()[index].servo.settings();
-            own.gear * rig.freedoms()[index].home + own.offset_rad
+            own.gear * rig.dofs()[index].home + own.offset_rad
         });
         let mut memories = [[0; 256]; N];
         let mut index = 0;
@@ -174,7 +174,7 @@ impl<'a, const B: usize, const N: usize> Stand<'a, B, N> {
 #[expect(clippy::inline_always, reason = "the frame of the function that is measured has it all")]
 #[inline(always)]
 fn tick<const B: usize, const N: usize>(
-    controller: &mut Controller<'_, B, N>,
+    controller: &mut MotionController<'_, B, N>,
     bus: &mut Unregistered<N>,
     wire: &mut impl Wire,
     ticks: &mut u32,
@@ -283,7 +283,7 @@ impl<const N: usize> ServoBus for Unregistered<N> {
     fn reply(&mut self, bytes: &[u8]) -> bool {
         self.0.reply(bytes)
     }
-    fn compare(&mut self, _: Option<(usize, Demand)>) {}
+    fn compare(&mut self, _: Option<(usize, ServoRequirements)>) {}
     fn compared(&self) -> Compared {
         Compared::Nothing
     }

@@ -5,7 +5,7 @@ use std::time::Duration;
 use sinew_board_client::Board;
 use sinew_firmware::supervisor::Fault;
 use sinew_link::message::{Command, Feed, State};
-use sinew_nucleo::Heard;
+use sinew_nucleo::MachineEvent;
 
 use crate::stand::{
     Emulated, LOWER_S, Rig, SECOND, arm_it, load, ready, servos_on, set_lowering, until,
@@ -21,8 +21,8 @@ fn hang(board: &mut Emulated, tick_ns: u64, bites_ms: u64) {
     board.servos.machine.hang().unwrap();
     board.run_until(hung_ns + (bites_ms + 50) * MS).unwrap();
     let resets: Vec<_> =
-        board.other.iter().filter(|heard| matches!(heard, Heard::Reset(..))).collect();
-    let [Heard::Reset(at_ns, by)] = resets.as_slice() else { panic!("{resets:?}") };
+        board.other.iter().filter(|heard| matches!(heard, MachineEvent::Reset(..))).collect();
+    let [MachineEvent::Reset(at_ns, by)] = resets.as_slice() else { panic!("{resets:?}") };
     assert_eq!(by, "iwdg");
     // It was fed a tick before at most; a count had begun then, and one is the last.
     let took_ns = at_ns - hung_ns;

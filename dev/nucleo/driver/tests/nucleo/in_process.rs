@@ -2,12 +2,12 @@
 
 use std::cell::RefCell;
 
-use sinew_firmware::controller::{Controller, ControllerSettings, Inputs, Start};
+use sinew_firmware::controller::{ControllerSettings, Inputs, MotionController, Start};
 use sinew_firmware::node::split_rig;
 use sinew_firmware::supervisor::{Command, FaultSet};
 use sinew_rig::board::BoardRig;
 use sinew_servo_sim::bench::Branch;
-use sinew_servo_sim::line::{Line, Wired as _};
+use sinew_servo_sim::line::{Line, LineDevice as _};
 use sinew_servo_sim::plant::RigPlant;
 use sinew_wiring::{AllLines, Bus, Lines, Wiring};
 
@@ -27,7 +27,7 @@ pub(crate) struct Exchange {
 
 /// A controller with simulated servos.
 pub(crate) struct InProcess {
-    controller: Box<Controller<'static, BODIES, SERVOS, SERVOS, COORDINATES>>,
+    controller: Box<MotionController<'static, BODIES, SERVOS, SERVOS, COORDINATES>>,
     lines: RefCell<Lines<Bus<SERVOS>, 1, SERVOS>>,
     servos: Line<Branch<'static, RigPlant>>,
     ticks: u64,
@@ -42,7 +42,8 @@ impl InProcess {
         let wiring = Wiring::<1, SERVOS>::decode(behind).unwrap();
         let settings = ControllerSettings { rig_crc: rig.parts.rig_crc(), ..wiring.settings() };
         let (setups, schedule) = (wiring.setups(), wiring.schedule().unwrap());
-        let controller = Controller::new(board, &settings, &setups, &schedule, Start::default());
+        let controller =
+            MotionController::new(board, &settings, &setups, &schedule, Start::default());
         let mut controller = Box::new(controller.unwrap());
         controller.load_show(Some(rig.show.clone().leak())).unwrap();
         let mut lines = Lines::new([], []);

@@ -9,7 +9,7 @@ mod stand;
 mod walk;
 
 use sinew_link::message::Command;
-use sinew_nucleo::Heard;
+use sinew_nucleo::MachineEvent;
 
 use stand::{Rig, SECOND, TORQUE_OFF, connected};
 
@@ -19,7 +19,7 @@ fn emulated_nucleo_boots_says_torque_off_and_greets() {
     let mut board = connected(Rig::new(1).power_on(None));
     assert_eq!(board.about().rig, 0, "its flash is blank");
     let line = board.line_mut();
-    let stray = line.other.iter().find(|heard| matches!(heard, Heard::Stray(..)));
+    let stray = line.other.iter().find(|heard| matches!(heard, MachineEvent::Stray(..)));
     assert_eq!(stray, None, "its stack has run over, or an address is none");
     // Twice, whole, and before anything else.
     let said: Vec<&[u8]> = line.bus.iter().map(|burst| burst.bytes.as_slice()).collect();

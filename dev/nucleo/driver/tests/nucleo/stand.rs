@@ -9,7 +9,7 @@ use sinew_firmware::node::{RIG_SCHEMA, SHOW_SCHEMA};
 use sinew_firmware::supervisor::Fault;
 use sinew_link::message::{Command, Item, Kind, Parts as Told, State};
 use sinew_mocap::files::ClipFile;
-use sinew_nucleo::{EmulatedBoard, Machine, OnServos};
+use sinew_nucleo::{BoardOnServos, EmulatedBoard, Machine};
 use sinew_performance::play::{Drive, Memory, Options, Parts, put_servos};
 use sinew_performance::{Baker, ClipSettings, Marks, PreparedClip, take_over};
 use sinew_retarget::feasibility::{FitSettings, Limits, RigMotion, fit};
@@ -116,7 +116,7 @@ impl Rig {
 
     /// Power-on of its servos, and of a board. `flash`: what the board's held when power was lost; else it is blank.
     pub(crate) fn power_on(&self, flash: Option<&[u8]>) -> Emulated {
-        EmulatedBoard::new(OnServos::new(machine(flash), self.servos(), self.baud(), 0))
+        EmulatedBoard::new(BoardOnServos::new(machine(flash), self.servos(), self.baud(), 0))
     }
 
     pub(crate) fn item(&self) -> Item {

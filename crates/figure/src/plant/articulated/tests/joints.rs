@@ -9,7 +9,7 @@ use super::*;
 use crate::plant::link;
 
 /// A body of 2 kg, its centre of mass 0.3 m below its joint, on a bolted one.
-fn pendulum(joint: Freedom) -> Mechanism {
+fn pendulum(joint: JointModel) -> Mechanism {
     let body = solid(2.0, DVec3::new(0.0, -0.3, 0.0), diagonal(0.04, 0.02, 0.05));
     let mut mechanism = hung(body);
     mechanism.bodies[1].joint = joint;
@@ -124,7 +124,7 @@ fn a_passive_tree_of_all_kinds_keeps_its_energy() {
 fn a_rotor_slows_a_pendulum_as_its_inertia_says() {
     let axis = DVec3::Z;
     let rotor = 0.07;
-    let mut mechanism = pendulum(Freedom::Revolute(axis));
+    let mut mechanism = pendulum(JointModel::Revolute(axis));
     mechanism.bodies[1].rotor_inertia = rotor;
     let (mass_kg, length_m, amplitude) = (2.0, 0.3, 1.2_f64);
     // T / 4 = K(sin(θ/2)) / ω, and K by the arithmetic-geometric mean.
@@ -148,7 +148,7 @@ fn a_rotor_slows_a_pendulum_as_its_inertia_says() {
 
 #[test]
 fn a_rotor_of_a_ball_joint_turns_about_every_axis() {
-    let mut mechanism = pendulum(Freedom::Spherical);
+    let mut mechanism = pendulum(JointModel::Spherical);
     let no_gravity = |mechanism: &Mechanism| let_go(mechanism, 0.0).with_gravity(DVec3::ZERO);
     mechanism.bodies[1].center_of_mass_m = DVec3::ZERO;
     mechanism.bodies[1].rotor_inertia = 0.03;
@@ -161,7 +161,7 @@ fn a_rotor_of_a_ball_joint_turns_about_every_axis() {
 
 #[test]
 fn a_stop_is_reached_and_not_passed_and_lets_go() {
-    let mut mechanism = pendulum(Freedom::Revolute(DVec3::Z));
+    let mut mechanism = pendulum(JointModel::Revolute(DVec3::Z));
     mechanism.bodies[1].ranges = vec![[-0.4, 2.0]];
     let mut plant = let_go(&mechanism, 1.0);
     let mut least = f64::INFINITY;
@@ -189,7 +189,7 @@ fn a_stop_is_reached_and_not_passed_and_lets_go() {
 
 #[test]
 fn a_ball_joint_ends_at_its_angle() {
-    let mut mechanism = pendulum(Freedom::Spherical);
+    let mut mechanism = pendulum(JointModel::Spherical);
     mechanism.bodies[1].ranges = vec![[0.0, 0.5]];
     let mut plant = let_go(&mechanism, 0.1);
     let drive =
@@ -209,7 +209,7 @@ fn a_ball_joint_ends_at_its_angle() {
 #[test]
 fn friction_holds_up_to_its_torque_and_brakes_with_it() {
     let friction = 0.8;
-    let mut mechanism = pendulum(Freedom::Revolute(DVec3::Z));
+    let mut mechanism = pendulum(JointModel::Revolute(DVec3::Z));
     mechanism.bodies[1].friction = friction;
     let mut plant = let_go(&mechanism, 0.0).with_gravity(DVec3::ZERO);
     for _ in 0..1000 {
@@ -233,7 +233,7 @@ fn friction_holds_up_to_its_torque_and_brakes_with_it() {
 
 #[test]
 fn viscous_friction_of_any_size_is_stable() {
-    let mut mechanism = pendulum(Freedom::Revolute(DVec3::Z));
+    let mut mechanism = pendulum(JointModel::Revolute(DVec3::Z));
     // 400 times the inertia in a step.
     mechanism.bodies[1].damping = 400.0 * ABOUT_JOINT / H;
     let mut plant = let_go(&mechanism, 1.0);
@@ -255,8 +255,8 @@ fn everything_that_holds_joints_agrees_with_how_they_move() {
             link.friction = random.between(0.0, 3.0);
             link.damping = random.between(0.0, 0.1);
             let ranges = match link.joint {
-                Freedom::Revolute(_) | Freedom::Prismatic(_) => 1,
-                Freedom::Universal(_) => 2,
+                JointModel::Revolute(_) | JointModel::Prismatic(_) => 1,
+                JointModel::Universal(_) => 2,
                 _ => 0,
             };
             // Not all start within it.
@@ -310,9 +310,9 @@ fn gimbal(axes: [DVec3; 3], rotor: f64) -> Mechanism {
     let nothing = solid(0.0, DVec3::ZERO, DMat3::ZERO);
     let weight = solid(2.0, DVec3::new(0.0, -0.3, 0.0), DMat3::ZERO);
     let mut mechanism = hung(nothing);
-    mechanism.bodies[1].joint = Freedom::Revolute(axes[0]);
+    mechanism.bodies[1].joint = JointModel::Revolute(axes[0]);
     for (parent, (axis, mass)) in [(axes[1], nothing), (axes[2], weight)].into_iter().enumerate() {
-        let mut body = link(Some(parent + 1), Freedom::Revolute(axis), DVec3::ZERO, &mass);
+        let mut body = link(Some(parent + 1), JointModel::Revolute(axis), DVec3::ZERO, &mass);
         body.rotor_inertia = rotor;
         mechanism.bodies.push(body);
     }

@@ -9,7 +9,7 @@ use crate::plant::fixture::{
     at_rest, diagonal, hung, passive, random_torques, random_tree, random_tree_of_all_kinds, solid,
     tilted,
 };
-use crate::plant::{Freedom, GRAVITY_M_S2, Link};
+use crate::plant::{GRAVITY_M_S2, JointModel, Link};
 
 /// Runs for 0.2 s in steps of `h`, a part of that. `before_step` sees the plant before each step.
 fn run(
@@ -85,7 +85,7 @@ fn momentum(mechanism: &Mechanism, plant: &ArticulatedPlant) -> [DVec3; 2] {
 
 #[test]
 fn a_passive_tree_keeps_its_energy() {
-    for (root, seed) in [(Freedom::Free, 1), (Freedom::Free, 2), (Freedom::Fixed, 3)] {
+    for (root, seed) in [(JointModel::Free, 1), (JointModel::Free, 2), (JointModel::Fixed, 3)] {
         let (mechanism, start) = random_tree(root, seed);
         let plant = ArticulatedPlant::new(&mechanism, &start, 0.01, 1).unwrap();
         let before = energy(&mechanism, &plant);
@@ -97,7 +97,7 @@ fn a_passive_tree_keeps_its_energy() {
 
 #[test]
 fn drives_give_the_energy_of_their_power() {
-    for (root, seed) in [(Freedom::Free, 4), (Freedom::Fixed, 5)] {
+    for (root, seed) in [(JointModel::Free, 4), (JointModel::Fixed, 5)] {
         let (mechanism, start) = random_tree(root, seed);
         let plant = ArticulatedPlant::new(&mechanism, &start, 0.01, 1).unwrap();
         let mut drive = random_torques(seed);
@@ -125,7 +125,7 @@ fn drives_give_the_energy_of_their_power() {
 #[test]
 fn a_floating_tree_keeps_its_momentum() {
     for seed in [6, 7] {
-        let (mechanism, start) = random_tree(Freedom::Free, seed);
+        let (mechanism, start) = random_tree(JointModel::Free, seed);
         let plant =
             ArticulatedPlant::new(&mechanism, &start, 0.01, 1).unwrap().with_gravity(DVec3::ZERO);
         // Torques between bodies, which have no say in it.
@@ -186,7 +186,7 @@ fn a_pendulum_swings_as_its_equation_says() {
 
 #[test]
 fn substeps_are_steps_of_a_passive_tree() {
-    let (mechanism, start) = random_tree(Freedom::Free, 8);
+    let (mechanism, start) = random_tree(JointModel::Free, 8);
     let mut whole = ArticulatedPlant::new(&mechanism, &start, 0.01, 4).unwrap();
     let mut parts = ArticulatedPlant::new(&mechanism, &start, 0.0025, 1).unwrap();
     whole.step(&passive(18));

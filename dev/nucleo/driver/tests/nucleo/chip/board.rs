@@ -4,7 +4,7 @@ use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use sinew_nucleo::{Burst, Heard, Machine, OnServos, Port};
+use sinew_nucleo::{BoardOnServos, Burst, Machine, MachineEvent, Port};
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::device::{MEMORY_LEN, Servo};
 use sinew_servo_sim::line::Line;
@@ -19,10 +19,10 @@ pub(crate) const PING: [u8; 10] = [0xFF, 0xFF, 0xFD, 0, 1, 3, 0, 1, 0x19, 0x4E];
 const BAUD: u32 = 1_000_000;
 
 pub(crate) struct Board {
-    pub(crate) servos: OnServos<Bench<'static, Vec<Arm>>>,
+    pub(crate) servos: BoardOnServos<Bench<'static, Vec<Arm>>>,
     pub(crate) bus: Vec<Burst>,
     pub(crate) said: String,
-    pub(crate) other: Vec<Heard>,
+    pub(crate) other: Vec<MachineEvent>,
 }
 
 impl Board {
@@ -53,7 +53,7 @@ impl Board {
         servo.set_baud(BAUD).unwrap();
         let mut bench = Bench::new(vec![servo], vec![Arm::default()], Supply::stiff(5.0));
         bench.baud = BAUD;
-        let servos = OnServos::new(machine, Line::of_master(bench), BAUD, 0);
+        let servos = BoardOnServos::new(machine, Line::of_master(bench), BAUD, 0);
         Self { servos, bus: Vec::new(), said: String::new(), other: Vec::new() }
     }
 

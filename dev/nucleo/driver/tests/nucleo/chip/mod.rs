@@ -4,7 +4,7 @@
 mod board;
 
 use board::{Board, MS, PING, S};
-use sinew_nucleo::Heard;
+use sinew_nucleo::MachineEvent;
 
 #[test]
 #[ignore = "needs the emulator: `cargo xtask emulate`"]
@@ -61,8 +61,10 @@ fn emulated_watchdog_resets_what_hangs() {
         board.order(order);
         board.run(7 * S);
         let resets: Vec<_> =
-            board.other.iter().filter(|heard| matches!(heard, Heard::Reset(..))).collect();
-        let [Heard::Reset(at_ns, by)] = resets.as_slice() else { panic!("{order}: {resets:?}") };
+            board.other.iter().filter(|heard| matches!(heard, MachineEvent::Reset(..))).collect();
+        let [MachineEvent::Reset(at_ns, by)] = resets.as_slice() else {
+            panic!("{order}: {resets:?}")
+        };
         assert_eq!(by, "iwdg", "{order}");
         // 5 s of a nominal watchdog after it was fed last; its own clock steps in 8 ms.
         let (from, to) = (4_990 * MS, 5_110 * MS);
@@ -105,7 +107,7 @@ fn emulated_erase_stops_the_core_and_a_reset_leaves_it_half_done() {
     board.order("e");
     board.run(200 * MS);
     let begun = board.other.iter().find_map(|heard| match heard {
-        Heard::Erase(at_ns, sector) => Some((*at_ns, *sector)),
+        MachineEvent::Erase(at_ns, sector) => Some((*at_ns, *sector)),
         _ => None,
     });
     let Some((begun_ns, 7)) = begun else { panic!("{begun:?}") };
@@ -132,7 +134,7 @@ fn emulated_pins_are_read_within_a_tick() {
         last_ns < stopped_ns + 2 * MS,
         "stopped at {stopped_ns} ns, the last ping left at {last_ns}"
     );
-    assert!(matches!(board.other.last(), Some(Heard::Light(_, false))), "{:?}", board.other);
+    assert!(matches!(board.other.last(), Some(MachineEvent::Light(_, false))), "{:?}", board.other);
 }
 
 #[test]

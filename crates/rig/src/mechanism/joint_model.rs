@@ -7,7 +7,7 @@ use super::Pose;
 
 /// What a joint leaves free, with its axes in f64.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Freedom {
+pub enum JointModel {
     /// Nothing.
     Fixed,
     /// A turn about a unit axis of the joint frame.
@@ -22,7 +22,7 @@ pub enum Freedom {
     Free,
 }
 
-impl Freedom {
+impl JointModel {
     /// The same in f32, as `sinew-core` has it.
     pub fn kind(self) -> JointKind {
         match self {
@@ -87,7 +87,7 @@ impl Freedom {
         }
     }
 
-    /// Axes of the freedoms in body axes at given coordinates: of turns, then of slides.
+    /// Axes of the dofs in body axes at given coordinates: of turns, then of slides.
     pub fn axes(self, q: &[f64]) -> (Vec<DVec3>, Vec<DVec3>) {
         match self {
             Self::Fixed => (vec![], vec![]),

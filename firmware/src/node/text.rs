@@ -68,8 +68,8 @@ pub(super) fn refused(why: Refused) -> Refusal {
             Refusal::RegisterDiffers { servo, address, found, expected }
         }
         Refused::StopUntested => Refusal::StopUntested,
-        Refused::Moving(Moving { freedom, mrad_s, most_mrad_s }) => {
-            Refusal::Moving { dof: freedom, mrad_s, most_mrad_s }
+        Refused::Moving(Moving { dof, mrad_s, most_mrad_s }) => {
+            Refusal::Moving { dof: dof, mrad_s, most_mrad_s }
         }
         Refused::FeedSilent(Feed::Show) => Refusal::FeedSilent(message::Feed::Show),
         Refused::FeedSilent(Feed::Live) => Refusal::FeedSilent(message::Feed::Live),

@@ -7,20 +7,20 @@ use sinew_core::{JointKind, Tree, math};
 /// A part of the coordinates. A ball joint is a turn, a free one a turn and three numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Part {
-    /// One number for one freedom; where they are.
+    /// One number for one dof; where they are.
     Number { q: usize, v: usize },
-    /// A quaternion for three freedoms; where they begin.
+    /// A quaternion for three dofs; where they begin.
     Turn { q: usize, v: usize },
 }
 
-/// All parts of a tree's coordinates; none if there are more freedoms than `V`.
-pub(super) fn parts<const N: usize, const V: usize>(tree: &Tree<N>) -> Option<Vec<Part, V>> {
+/// All parts of a tree's coordinates; none if there are more dofs than `DOFS`.
+pub(super) fn parts<const N: usize, const DOFS: usize>(tree: &Tree<N>) -> Option<Vec<Part, DOFS>> {
     let mut parts = Vec::new();
     let (mut q, mut v) = (0_usize, 0_usize);
     for body in tree.bodies() {
         let (end_q, end_v) = (
             q.saturating_add(body.joint.coordinate_count()),
-            v.saturating_add(body.joint.degrees_of_freedom()),
+            v.saturating_add(body.joint.dof_count()),
         );
         if matches!(body.joint, JointKind::Spherical | JointKind::Free) {
             parts.push(Part::Turn { q, v }).ok()?;
@@ -31,7 +31,7 @@ pub(super) fn parts<const N: usize, const V: usize>(tree: &Tree<N>) -> Option<Ve
         }
         (q, v) = (end_q, end_v);
     }
-    (v <= V).then_some(parts)
+    (v <= DOFS).then_some(parts)
 }
 
 /// The number at a place.

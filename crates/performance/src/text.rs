@@ -2,7 +2,7 @@
 
 use sinew_retarget::feasibility::{Excess, Kind, Limits, Report};
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::{Freedom, Link};
+use sinew_rig::mechanism::{JointModel, Link};
 
 /// A position with one decimal.
 pub fn position(slides: bool, position: f64) -> String {
@@ -26,10 +26,10 @@ fn in_unit(slides: bool, position: f64) -> f64 {
 
 /// How many degrees of freedom have no limit, of what is looked at, as a sentence; `None` if all have.
 pub fn unknown(mechanism: &Mechanism, limits: &Limits, report: &Report) -> Option<String> {
-    let moved = |link: &&Link| !matches!(link.joint, Freedom::Fixed | Freedom::Free);
+    let moved = |link: &&Link| !matches!(link.joint, JointModel::Fixed | JointModel::Free);
     let count = |is_free: &dyn Fn(&Link) -> bool| -> usize {
         let links = mechanism.bodies.iter().filter(moved).filter(|link| is_free(link));
-        links.map(|link| link.joint.kind().degrees_of_freedom()).sum()
+        links.map(|link| link.joint.kind().dof_count()).sum()
     };
     // A rig without masses has no torques.
     let is_heavy = report.peaks.iter().any(|peaks| peaks.effort > 0.0);
@@ -43,7 +43,7 @@ pub fn unknown(mechanism: &Mechanism, limits: &Limits, report: &Report) -> Optio
         .filter(|(_, count)| *count > 0)
         .map(|(what, count)| format!("{count} of {what}"))
         .collect();
-    let (all, told) = (limits.freedoms.len(), told.join(", "));
+    let (all, told) = (limits.dofs.len(), told.join(", "));
     (!told.is_empty()).then(|| format!("Without a limit, of {all} degrees of freedom: {told}."))
 }
 
@@ -107,7 +107,7 @@ mod tests {
     #[test]
     fn an_excess_says_by_how_much() {
         let of = |kind, value, limit| Excess {
-            freedom: 0,
+            dof: 0,
             kind,
             from_s: 0.0,
             to_s: 0.1,

@@ -1,20 +1,20 @@
 //! Where a motion exceeds a limit, and by how much it must be slower or nearer to home there.
 
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::{Freedom, LANES};
+use sinew_rig::mechanism::{JointModel, LANES};
 
 use super::interpolated;
 use super::rest::Rest;
 use crate::feasibility::check::{CheckError, Report, Tally};
 use crate::feasibility::curve::{Curve, Performance as _};
 use crate::feasibility::efforts::{Block, Efforts};
-use crate::feasibility::limits::{FreedomLimits, Limits};
+use crate::feasibility::limits::{DofLimits, Limits};
 
 /// Share of its effort that may hold a joint where it is asked for more.
 const MOST_HELD: f64 = 0.9;
 
 /// What a motion is looked at with.
-pub(super) struct Looking<'a> {
+pub(super) struct LimitScan<'a> {
     pub(super) mechanism: &'a Mechanism,
     pub(super) limits: &'a Limits,
     pub(super) rest: &'a Rest,
@@ -26,7 +26,7 @@ pub(super) struct Looking<'a> {
 }
 
 /// What was seen.
-pub(super) struct Look {
+pub(super) struct ScanResult {
     pub(super) report: Report,
     /// What share of its speed the motion may have at each given row.
     pub(super) pace: Vec<f64>,
@@ -34,11 +34,15 @@ pub(super) struct Look {
     pub(super) share: Vec<Vec<f64>>,
 }
 
-impl Looking<'_> {
+impl LimitScan<'_> {
     /// Looks at all of a motion, whose rows are at these given times, s; `None`: at their own. Between its looks it
     /// sees nothing: they are as many as those of the check.
-    pub(super) fn at(self, curve: &Curve, given_s: Option<&[f64]>) -> Result<Look, CheckError> {
-        let Looking { mechanism, limits, rest, efforts, rate_hz, dt_s, rows: count } = self;
+    pub(super) fn at(
+        self,
+        curve: &Curve,
+        given_s: Option<&[f64]>,
+    ) -> Result<ScanResult, CheckError> {
+        let LimitScan { mechanism, limits, rest, efforts, rate_hz, dt_s, rows: count } = self;
         let mut pace_at = vec![1.0; count];
         let mut share = vec![Vec::new(); mechanism.bodies.len()];
         let (mut block, mut holding, mut is_beyond) =
@@ -66,12 +70,12 @@ impl Looking<'_> {
                     given_s.map_or(time_s, |given_s| interpolated(given_s, time_s / dt_s)) / dt_s;
                 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "rows")]
                 let rows = [given.floor(), given.ceil()].map(|row| (row as usize).min(count - 1));
-                for (freedom, limits_of) in limits.freedoms.iter().enumerate() {
+                for (dof, limits_of) in limits.dofs.iter().enumerate() {
                     // Friction is the same however slow the course is.
-                    let dry = efforts.dry_friction(freedom, instant.qd[freedom]);
-                    let (effort, held) = (of_instant[freedom], holding[freedom] + dry);
-                    let (qd, qdd) = (instant.qd[freedom], instant.qdd[freedom]);
-                    let most = most_held(limits_of, rest.holding[freedom]);
+                    let dry = efforts.dry_friction(dof, instant.qd[dof]);
+                    let (effort, held) = (of_instant[dof], holding[dof] + dry);
+                    let (qd, qdd) = (instant.qd[dof], instant.qdd[dof]);
+                    let most = most_held(limits_of, rest.holding[dof]);
                     let is_heavy =
                         effort.abs().max(held.abs()) > limits_of.effort && held.abs() > most;
                     let pace = pace(limits_of, [qd, qdd], (!is_heavy).then_some([effort, held]));
@@ -91,13 +95,13 @@ impl Looking<'_> {
                 }
             }
         }
-        Ok(Look { report: tally.report(duration_s, looks + 1), pace: pace_at, share })
+        Ok(ScanResult { report: tally.report(duration_s, looks + 1), pace: pace_at, share })
     }
 }
 
-/// What may hold a freedom where it is asked for more than it gives: with less left for motion, slower is no help.
+/// What may hold a dof where it is asked for more than it gives: with less left for motion, slower is no help.
 /// `at_rest`: what holds it there.
-pub(super) fn most_held(limits: &FreedomLimits, at_rest: f64) -> f64 {
+pub(super) fn most_held(limits: &DofLimits, at_rest: f64) -> f64 {
     (MOST_HELD * limits.effort).max(0.5 * (at_rest.abs() + limits.effort))
 }
 
@@ -112,7 +116,7 @@ pub(super) fn lower_chain(
     for (other, (link, lower)) in mechanism.bodies.iter().zip(lower).enumerate() {
         let in_chain = mechanism.supports(joint, other) || mechanism.supports(other, joint);
         // A base is no joint that could be drawn anywhere.
-        if in_chain && !matches!(link.joint, Freedom::Free | Freedom::Fixed) {
+        if in_chain && !matches!(link.joint, JointModel::Free | JointModel::Fixed) {
             if lower.is_empty() {
                 *lower = vec![1.0; rows];
             }
@@ -121,9 +125,9 @@ pub(super) fn lower_chain(
     }
 }
 
-/// What share of its speed a motion may have for one freedom: of its speed and acceleration, and, if slower helps, of
+/// What share of its speed a motion may have for one dof: of its speed and acceleration, and, if slower helps, of
 /// its effort and the part of that which is there however slow it goes.
-pub(super) fn pace(limits: &FreedomLimits, [qd, qdd]: [f64; 2], efforts: Option<[f64; 2]>) -> f64 {
+pub(super) fn pace(limits: &DofLimits, [qd, qdd]: [f64; 2], efforts: Option<[f64; 2]>) -> f64 {
     let of_motion = ratio(qd, limits.speed).min(libm::sqrt(ratio(qdd, limits.acceleration)));
     let Some([effort, held]) = efforts.filter(|[effort, _]| effort.abs() > limits.effort) else {
         return of_motion;

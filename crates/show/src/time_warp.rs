@@ -3,14 +3,14 @@
 /// The course of a slowed show: samples of it, and of the performance that it was made from. Between two of them the
 /// performance goes evenly, behind the last one as fast as the show.
 #[derive(Debug, Clone)]
-pub struct Course<'a> {
+pub struct TimeWarp<'a> {
     rest: &'a [u8],
 }
 
 /// Bytes of a pair of samples.
 pub(crate) const PAIR_LEN: usize = 8;
 
-impl<'a> Course<'a> {
+impl<'a> TimeWarp<'a> {
     pub(crate) fn new(table: &'a [u8]) -> Self {
         Self { rest: table }
     }
@@ -48,7 +48,7 @@ impl<'a> Course<'a> {
     }
 }
 
-impl Iterator for Course<'_> {
+impl Iterator for TimeWarp<'_> {
     type Item = (u32, u32);
 
     fn next(&mut self) -> Option<(u32, u32)> {

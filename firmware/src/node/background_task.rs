@@ -11,12 +11,12 @@ use sinew_storage::{Disarmed, Store, Upload};
 
 use super::board::Port;
 use super::commands::Wait;
-use super::mail::{FAULTS_WAITING, Mail, Shared, Ticket};
+use super::mail::{CommandId, FAULTS_WAITING, Mail, Shared};
 use super::outbox::Outbox;
 use super::settings::NodeSettings;
 use super::telemetry::Telemeter;
+use super::text;
 use super::timing::Sum;
-use super::words;
 use crate::controller::Jog;
 use crate::supervisor::FaultNews;
 
@@ -35,7 +35,7 @@ pub enum Next {
 
 /// What a node is made of, beside its storage.
 #[derive(Debug)]
-pub struct Setup<'a, const B: usize, const V: usize, const S: usize> {
+pub struct Setup<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize> {
     /// Who the host talks to. Rig and counts are filled in.
     pub about: About,
     /// The settings that count now.
@@ -43,7 +43,7 @@ pub struct Setup<'a, const B: usize, const V: usize, const S: usize> {
     /// Whether what is stored of settings or rig is [bad](super::Found::is_bad).
     pub is_bad: bool,
     /// The rig of the loop, and its CRC; none if there is no loop.
-    pub rig: Option<(&'a BoardRig<B, V, S>, u32)>,
+    pub rig: Option<(&'a BoardRig<BODIES, DOFS, SERVOS>, u32)>,
     /// Time between two ticks, s.
     pub tick_s: f32,
     /// What the line to the host carries, bit/s.
@@ -51,18 +51,25 @@ pub struct Setup<'a, const B: usize, const V: usize, const S: usize> {
 }
 
 /// Link and storage of a node. It runs below the loop, which interrupts it anywhere.
-pub struct Desk<'a, F, const B: usize, const V: usize, const S: usize, const C: usize> {
-    pub(super) setup: Setup<'a, B, V, S>,
+pub struct BackgroundTask<
+    'a,
+    F,
+    const BODIES: usize,
+    const DOFS: usize,
+    const SERVOS: usize,
+    const COORDS: usize,
+> {
+    pub(super) setup: Setup<'a, BODIES, DOFS, SERVOS>,
     pub(super) store: Store<F>,
     session: Session,
     decoder: Decoder<ToController>,
     pub(super) outbox: Outbox,
     /// The command that the loop has now.
-    pub(super) waiting: Option<(Ticket, Wait)>,
+    pub(super) waiting: Option<(CommandId, Wait)>,
     /// The slot of the show that the loop reads.
     pub(super) lent: Option<usize>,
     pub(super) upload: Option<Upload>,
-    pub(super) telemeter: Telemeter<V, S, C>,
+    pub(super) telemeter: Telemeter<DOFS, SERVOS, COORDS>,
     /// Cycles of its steps, with the ticks that interrupted them.
     pub(super) steps: Sum,
     /// Of faults what storage has not taken yet.
@@ -71,11 +78,21 @@ pub struct Desk<'a, F, const B: usize, const V: usize, const S: usize, const C: 
     pub(super) kept: Option<Disarmed>,
 }
 
-impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: usize>
-    Desk<'a, F, B, V, S, C>
+impl<
+    'a,
+    F: NorFlash,
+    const BODIES: usize,
+    const DOFS: usize,
+    const SERVOS: usize,
+    const COORDS: usize,
+> BackgroundTask<'a, F, BODIES, DOFS, SERVOS, COORDS>
 {
     /// A desk before any host. `first_session`: another number at each start.
-    pub fn new(store: Store<F>, mut setup: Setup<'a, B, V, S>, first_session: u16) -> Self {
+    pub fn new(
+        store: Store<F>,
+        mut setup: Setup<'a, BODIES, DOFS, SERVOS>,
+        first_session: u16,
+    ) -> Self {
         setup.about.rig = setup.rig.map_or(0, |(_, crc)| crc);
         Self {
             setup,
@@ -103,7 +120,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
     pub fn step(
         &mut self,
         port: &mut impl Port<'a>,
-        mail: &impl Shared<Mail<'a, V, S, C>>,
+        mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) -> Next {
         let begun_at = port.cycles();
         while let Some((ticket, said)) = mail.with(|mail| mail.answers.pop_front()) {
@@ -132,7 +149,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
         &mut self,
         message: ToController,
         port: &mut impl Port<'a>,
-        mail: &impl Shared<Mail<'a, V, S, C>>,
+        mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) {
         match message {
             ToController::Hello(hello) => self.welcome(hello, mail),
@@ -155,7 +172,7 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
 
     // Apart, as all here that takes much of the stack: it is free again before the rest.
     #[inline(never)]
-    fn welcome(&mut self, hello: Hello, mail: &impl Shared<Mail<'a, V, S, C>>) {
+    fn welcome(&mut self, hello: Hello, mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>) {
         let busy = mail.with(|mail| mail.state.is_on());
         let before = self.session.id();
         let welcome = self.session.hello(hello, self.setup.about, busy);
@@ -167,7 +184,11 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
 
     /// What counts only while it is fresh.
     #[inline(never)]
-    fn stream(&mut self, item: Numbered<Stream>, mail: &impl Shared<Mail<'a, V, S, C>>) {
+    fn stream(
+        &mut self,
+        item: Numbered<Stream>,
+        mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
+    ) {
         let Some(order) = self.session.stream(&item) else { return };
         let is_fresh = matches!(order, Sequence::Fresh { .. });
         let is_late = order == Sequence::Late;
@@ -182,17 +203,17 @@ impl<'a, F: NorFlash, const B: usize, const V: usize, const S: usize, const C: u
                     let _ = mail.live.push_back(frame);
                 }
                 Stream::Jog { dof, velocity } if is_fresh => {
-                    mail.jog = Some(Jog { freedom: dof.into(), speed: velocity });
+                    mail.jog = Some(Jog { dof: dof.into(), speed: velocity });
                 }
                 Stream::HoldToRun(operator) if is_fresh => {
-                    mail.enable = Some(words::operator(operator));
+                    mail.enable = Some(text::operator(operator));
                 }
                 _ => {}
             }
         });
     }
 
-    pub(super) fn answer(&mut self, ticket: Ticket, outcome: Outcome) {
+    pub(super) fn answer(&mut self, ticket: CommandId, outcome: Outcome) {
         let answer = self.session.answer(ticket.0, ticket.1, outcome);
         self.outbox.put(&ToHost::Answer(answer));
     }
