@@ -24,8 +24,9 @@
 //! 4. [`state_error`]: how far the rig is from the performance, by one of several methods.
 //! 5. [`control`] and [`dynamics`]: error to torque, with inverse dynamics and limits.
 //!
-//! [`TorqueController::tick`] does steps 3 to 5 in one call; [`tracker::Tracker`] does all of it, with an observer, from a
-//! source of frames. [`importance`] says how much each joint matters, for rigs whose joints cannot all follow exactly.
+//! [`TorqueController::tick`] does steps 3 to 5 in one call; [`tracker::Tracker`] does all of it, with an observer,
+//! from a source of frames. [`importance`] says how much each joint matters, for rigs whose joints cannot all follow
+//! exactly.
 //!
 //! ```
 //! use sinew_core::{Body, TorqueController, Inertia, JointKind, JointStates, JointTargets, Trajectory, Tree};

@@ -74,8 +74,8 @@ impl<'a, const K: usize> From<&'a [Transform; K]> for Measured<'a> {
 /// # assert_eq!(Hold([Transform::IDENTITY]).frame(3), Frame::Poses(&[Transform::IDENTITY]));
 /// ```
 pub trait FrameSource {
-    /// The frame of that number. Negative ones lie before the performance: see [`extrapolate_before_start`]. Beyond the end,
-    /// the last one is held.
+    /// The frame of that number. Negative ones lie before the performance: see [`extrapolate_before_start`]. Beyond the
+    /// end, the last one is held.
     fn frame(&mut self, index: i32) -> Frame<'_>;
 }
 

@@ -50,8 +50,8 @@ pub struct Begun {
     result: Result<(), Incomplete>,
 }
 
-/// The loop of a rig of at most `BODIES` bodies, `DOFS` dofs, `SERVOS` servos and `COORDS` coordinates. All memory is in here: put it
-/// in a static.
+/// The loop of a rig of at most `BODIES` bodies, `DOFS` dofs, `SERVOS` servos and `COORDS` coordinates. All memory is
+/// in here: put it in a static.
 #[derive(Debug)]
 pub struct MotionController<
     'a,

@@ -10,8 +10,8 @@
 //! ```
 //!
 //! # A tick
-//! 1. [`MotionController::begin`] looks at what the servos said in the tick before, decides, and gives commands to the bus.
-//!    A fault that it finds acts here: torque off is in the packets of this very tick.
+//! 1. [`MotionController::begin`] looks at what the servos said in the tick before, decides, and gives commands to the
+//!    bus. A fault that it finds acts here: torque off is in the packets of this very tick.
 //! 2. [`exchange`] puts these packets on the board's [`Wire`], and takes what comes back.
 //! 3. [`MotionController::end`] says whether the tick was whole. Only then there is a [`Complete`](crate::watchdog::Complete),
 //!    and a board feeds its watchdog with nothing else.
