@@ -11,7 +11,7 @@
 //! | r | the rig, without servos, see [`sinew_rig::board`] |
 //! | s | the show, see [`sinew_show`] |
 //!
-//! The answer is a u64 for each of the [`METHODS`]: the [hash](crate::replay::hash) of its torques in the first t ticks.
+//! The answer is a u64 for each of the [`METHODS`]: the hash of its torques in the first t ticks.
 
 use sinew_show::Show;
 

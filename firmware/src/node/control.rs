@@ -73,7 +73,7 @@ pub struct ControlLoop<
 impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COORDS: usize>
     ControlLoop<'a, BODIES, DOFS, SERVOS, COORDS>
 {
-    /// The loop of a rig, with a [controller](Controller::new) of these settings, servos and schedule.
+    /// The loop of a rig, with a [controller](MotionController::new) of these settings, servos and schedule.
     ///
     /// # Errors
     /// [`ControlError`] says in words what does not fit.
