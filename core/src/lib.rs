@@ -7,6 +7,28 @@
 //! # Six joints
 //! An arm of six revolute joints: build the tree, track a target, get six torques.
 //! ```
+//!
+//! # Files
+//! A module uses only modules of its own line and of the lines before it:
+//! - `math`: elementary functions, most of them short polynomials. No other code computes any.
+//! - `transform`, `inertia`, `joint`: rigid transforms, motion and force vectors; mass properties; joint kinds.
+//! - `body_set`, `tree`, `fixed`, `matrix`, `symmetric`: the rig in regular numbering (λ parent, κ supporters, ν
+//!   subtree, µ children, leaves); vectors filled without a panic; small matrices.
+//! - `state`, `kinematics`, `pose_step`, `finite_difference`: states of joints and bodies, one from the other (eq. 5);
+//!   steps between poses; eq. 13.
+//! - `joint_states`, `joint_targets`: the entrances of measured states and of targets.
+//! - `trajectory`, `forward_differences`, `aligned_differences`: performances as frames, and as they arrive.
+//! - `importance/`, `body_weight`: weights of joints from a skeleton at rest; weights of bodies.
+//! - `dynamics/`: inverse dynamics (`rnea`), forward dynamics (`aba`), mass matrix (`crba`), the inertia at a drive
+//!   (`reflected`), and Gauss's principle (`least_constraint`), which the projection and `resolved_acceleration` use.
+//! - `projection/`, `pose_space/`: the rig's own pose nearest to the desired one; distances of poses, and curves.
+//! - `state_error/`: a file for each method.
+//! - `control`, `controller`: gains, laws and limits; the tick from targets and measurements to torques.
+//! - `coordinates/`, `supply`, `observer`: states and efforts as slices of numbers; the limit of the sum of all
+//!   torques; sensors filtered, disturbances learned, and a look ahead over the delay.
+//! - `tracker/`: the whole tick in one call: frames (`frames`) to targets (`desired`), readings to states
+//!   (`estimate`).
+//! - `read`, `serial`, `format`: what the features `serde` and `defmt` make of the types.
 #![doc = include_str!("../examples/six_joints.rs")]
 //! ```
 //! Gains: the controller turns the error of a joint into an acceleration, `kp` times the error plus `kd` times its
@@ -90,8 +112,8 @@
 //! `serde` writes vectors as `[x, y, z]`, quaternions as `[x, y, z, w]`, a [`Tree`] as its bodies, sets and values by
 //! body or joint as lists, and a torque limit's bound as a number or `null` (no bound). Reading normalises rotations
 //! and axes, so their last bits may change. A value that belongs to a tree but is read without one, such as
-//! [`Aims`](state_error::Aims), must fit *some* tree; [`TorqueController::new`] checks whether it fits its own. Not covered
-//! are
+//! [`Aims`](state_error::Aims), must fit *some* tree; [`TorqueController::new`] checks whether it fits its own. Not
+//! covered are
 //! - scratch, and estimates that are carried from tick to tick: [`Workspace`], [`Observer`](observer::Observer), ...;
 //! - types that only a constructor can make: [`ObserverSettings`](observer::ObserverSettings), whose gains depend on
 //!   each other; [`ManifoldProjection`](projection::ManifoldProjection) (write its weights and ranges instead);

@@ -13,6 +13,18 @@
 //!
 //! There is no `serde` here: what is stored has formats of its own ([`sinew_rig::board`], [`sinew_show`],
 //! [`sinew_storage`]), and all else is running state or an error. Settings are the core's, which has that feature.
+//!
+//! # Files
+//! - `drives/`: `rig` holds the drives of a rig. Each servo has a class (`current`, `position`, `target`) over a
+//!   `follower`, which keeps its limits. `measured` is the way back.
+//! - `supervisor/`: `state` and `transition` (a pure step from mode to mode), `supervisor` (its clocks), `permission`;
+//!   `fault/table` has the reaction to each fault in each state; `detect/` finds faults; `guard/` is the last check
+//!   before the bus.
+//! - `controller/`: `controller` is the tick. It joins `watch` (all detectors), `feed` (show, live, jog, hold, rest),
+//!   `path` (blends, range, speed, acceleration), `performance` (tracker and drives) and `output` (guard, bus).
+//!   `registers` compares what servos hold before they are armed; `wire` is the board's part of a tick.
+//! - `node/`: `control` is the control loop, `background_task` serves host link and storage, `mail` is between them.
+//!   `start` reads flash at power-on; `settings` has a key for each number; `board` is what hardware provides.
 
 #![no_std]
 #![forbid(unsafe_code)]

@@ -10,8 +10,7 @@
 //! | prismatic | displacement, m | m/s, m/s², N |
 //! | universal | both angles, rad | two of a revolute joint's |
 //! | spherical | unit quaternion x y z w of the body in the joint frame | three about x, y, z of the body |
-//! | free | that quaternion, then the position x y z in the joint frame, m | three about, then three along x, y, z of
-//! the body |
+//! | free | that quaternion, then x y z in the joint frame, m | three about, three along axes of the body |
 //!
 //! So `q` has [`Tree::coordinate_count`](crate::Tree::coordinate_count) numbers (nq), the others have
 //! [`Tree::dof_count`](crate::Tree::dof_count) (nv). [`Tree::coordinates`](crate::Tree::coordinates)
@@ -22,8 +21,8 @@
 //!   [`JointStates::update_coordinates`](crate::JointStates::update_coordinates)),
 //!   [`JointTargets::set_coordinates`](crate::JointTargets::set_coordinates) (wanted).
 //! - **Out**: [`Tree::efforts`](crate::Tree::efforts) of a tick's torques, or
-//!   [`TorqueController::dof_commands`](crate::TorqueController::dof_commands): target, feed-forward and feedback for each degree
-//!   of dof.
+//!   [`TorqueController::dof_commands`](crate::TorqueController::dof_commands): target, feed-forward and feedback for
+//!   each dof.
 //! - **Back**: `coordinates` of states and targets, [`Tree::accelerations`](crate::Tree::accelerations) of commands,
 //!   [`Tree::wrenches`](crate::Tree::wrenches) of efforts.
 //!

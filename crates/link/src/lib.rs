@@ -57,6 +57,13 @@
 //! - Kinds of messages, states and reasons are numbered in the order of their declaration. New ones come last;
 //!   none is ever removed or moved. Faults are plain numbers: those of `docs/faults.md`.
 //! - Nothing here decides what is safe. A supervisor does, and it does not trust the link.
+//!
+//! # Files
+//! - `frame`, `decoder`, `finite`: one message as a frame; messages in a stream of anything; finite numbers only.
+//! - `message/`: a file for each subject; `telemetry` cuts a snapshot into frames.
+//! - `window`, `session`, `sender`: which numbers arrived; the controller's side; the host's side.
+//! - `live/`: the sender's clock (`timeline`), a target for each tick (`buffer`), speeds by joint (`coordinate`).
+//! - `rate`: what a line carries.
 
 #![no_std]
 #![forbid(unsafe_code)]

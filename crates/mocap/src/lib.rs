@@ -28,6 +28,14 @@
 //! ```
 //!
 //! A [`SkeletonMap`] says how bodies of another figure are made of a skeleton's joints.
+//!
+//! # Files
+//! - `bvh/`, `asf_amc/`, `deepmimic/`, `format`: a reader for each format, and which one reads a file.
+//! - `recording`, `clip`, `skeleton`: the two kinds of motion; skeletons and their forward kinematics.
+//! - `read`, `encoding`, `text`, `damage`, `kind`: files read whole, their text, what no body has, what a file is.
+//! - `up`, `gaps`, `flips`, `filter`, `resample`: the steps of cleaning.
+//! - `files`: the clips in a list of files and folders.
+//! - `skeleton_map`: how bodies of a figure hang on joints, as data.
 
 pub mod asf_amc;
 pub mod bvh;

@@ -5,6 +5,19 @@
 //! - [`drive`] and [`servo`] are the same maths on a board and at the desk; [`board`] is the rig's compact form there.
 //!
 //! Simulates nothing, and opens no files: readers take text.
+//!
+//! # Files
+//! - `description/`: a rig with names; `check/` refuses what is invalid, `mechanism` numbers bodies and merges fixed
+//!   joints.
+//! - `toml_file/`: rig.toml. Reader, writer and the page of keys share one `schema`.
+//! - `import/`: URDF and MJCF to a description, in metres and upright, with notes of what was changed or filled in.
+//! - `mechanism/`: `kinematics`, and `inverse_dynamics`: the core's, for one instant or for four side by side.
+//! - `drive/`, `servo`, `limited`: joints to servos and back, with equal power on both sides (`no_std`).
+//! - `servo_model`, `actuation/`: kinds of servo (`models/`, each value with its source), and what joints get from
+//!   them.
+//! - `review/`: what `sinew rig check` reports.
+//! - `board/`: the compact form that boards read.
+//! - `new/`: an arm and a face to start from.
 
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]

@@ -55,6 +55,16 @@
 //!   where that begins inside the damaged one.
 //! - A reply counts only if its id, its kind and its length are what was asked for.
 //! - Elementary arithmetic only, in f32 and integers: same bits on every machine.
+//!
+//! # Files
+//! - `servo_bus`, `servo_state`, `plausible`: what a rig needs of a bus; a bus's knowledge of one servo; readings to
+//!   believe.
+//! - `schedule`: the rate that a bus allows, and which servos are read in which tick.
+//! - `table`, `settings`, `compare`: control tables as data; the registers that a rig requires; their comparison.
+//! - `dynamixel/`, `feetech/`, each: `frame`, `instruction`, `status`, `parser`; `table/` (models and registers);
+//!   `bus/` (the rig's side: `bus/servo` turns counts into positions); `device/` (the servo's side).
+//! - `pca9685/`: registers of the chip, the rig's side, a simulated chip.
+//! - `line`, `sink`, `finder`, `window`: a half-duplex line for simulated devices; bytes in slices and streams.
 
 #![no_std]
 #![forbid(unsafe_code)]

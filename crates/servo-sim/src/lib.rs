@@ -67,6 +67,16 @@
 //!
 //! # What is left out
 //! The motor's inductance (its time constant is below a millisecond), PWM ripple, cogging, magnets that weaken, wear.
+//!
+//! # Files
+//! - `line`, `wire`, `port`: bytes there and back, each at its time; who hears and who speaks; a pseudo-terminal.
+//! - `bench/`: simulated time: on one line, on several (`branch`), behind a PCA9685 (`chip`).
+//! - `registers`: servos without physics, for tests of protocols.
+//! - `device/`, `firmware/`, `model/`: registers; the maker's program; motor, gear and heat.
+//! - `load`, `rig`, `plant/`, `supply`: what servos move, alone or together, and what feeds them.
+//! - `fault/`: faults of servos and lines, and the words that order them.
+//! - `kind`, `fleet`: kinds by their names; any servos, on a line for each bus.
+//! - `published/`, `models/`: published figures against simulated ones; figures that `sinew-rig` lacks.
 
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

@@ -13,6 +13,16 @@
 //! # The flash is blocking
 //! Erasing on-chip flash stops the core anyway, and a future that is dropped in the middle of a write is a power cut.
 //! So storage is called from below the control loop, and returns when it is done.
+//!
+//! # Files
+//! From the flash up:
+//! - `flash`: bytes in any NOR flash: aligned, read back, never written twice in one place.
+//! - `record`: head, payload, and a seal that is written last.
+//! - `log`, `compact`, `damage`, `fault`: records in a sector; their copy in the next one; what was lost; faults.
+//! - `board`, `descriptor`, `disarmed`, `error`: a board's declaration; an item's description; the permission to
+//!   erase.
+//! - `place`, `upload`, `stored`: room for an item; an item that arrives in blocks; an item that is whole.
+//! - `store`: all of these behind one type.
 
 #![no_std]
 #![forbid(unsafe_code)]

@@ -1,9 +1,10 @@
 //! A node: the whole of a controller's board, but for its hardware.
 //!
 //! ```text
-//! host <─ bytes ─> BackgroundTask ─ Mail: orders, live frames, heard ─> ControlLoop ─> MotionController ─> bus of
-//! servos │  <─ Mail: answers, faults, snapshots ─     │ Store (flash)                               Safety: e-stop,
-//! OE, watchdog below, step by step                       above, tick by tick
+//!          main, step by step                               timer interrupt, tick by tick
+//! host <── BackgroundTask ── Mail: orders, live frames ──> ControlLoop ─> MotionController ─> bus of servos
+//!               │       <── Mail: answers, faults, snapshots ──   │
+//!          Store (flash)                                     Safety: e-stop, OE, watchdog
 //! ```
 //!
 //! - [`start`] reads back what flash keeps, and says what is bad as numbered faults.

@@ -3,23 +3,22 @@
 //! # Format, version 1
 //! All numbers little-endian; `f32` as IEEE 754. Infinity stands for no limit.
 //!
-//! | bytes | what |
-//! | --- | --- |
-//! | 4 | magic `SNWR` |
-//! | u16 | version, 1 |
-//! | 5 x u16 | bodies b, at least 1; degrees of freedom v; linked limits; drives; servos s |
-//! | b x 100 | body: parent i16 (-1: the world), joint kind u16 (0 fixed, 1 revolute, 2 prismatic, 3 universal, 4
-//! spherical, 5 free), two axes 6 x f32 (unused ones zero), placement quaternion xyzw and translation 7 x f32 (m), mass
-//! f32 (kg), centre of mass 3 x f32 (m), inertia xx xy xz yy yz zz 6 x f32 (kg m²), rotor inertia f32 (kg m², kg) |
-//! | v x 24 | dof: least, most, home, largest speed, acceleration and effort, 6 x f32 (rad, m, N m, N) |
-//! | 20 each | linked limit: dof and other u16, factors 2 x f32, least and most 2 x f32 |
-//! | | drive: its dofs and its servos, each a count u16 and as many indices u16; kind u16 and numbers: 0 matrix, 1
-//! matrix of a ball joint: rows, then offsets, f32; 2 curve: count of points u16, points 2 x f32; 3 four-bar: ground,
-//! crank, coupler, rocker, crank's zero, rocker's zero, range 8 x f32, crossed u16 |
-//! | s x 56 | servo: bus u16, address u16 (channels from 256), gear, offset, range, torque, speed, acceleration, torque
-//! constant, position gain, friction, damping, rotor inertia 12 x f32, on signal loss u16 (0 limp, 1 hold, 2 home),
-//! zero u16 |
-//! | u32 | CRC-32 (ISO-HDLC) of all bytes before it |
+//! - 4 bytes: magic `SNWR`
+//! - `u16`: version, 1
+//! - 5 x `u16`: bodies b, at least 1; dofs v; linked limits; drives; servos s
+//! - b x 100 bytes, body: parent `i16` (-1: the world), joint kind `u16` (0 fixed, 1 revolute, 2 prismatic, 3
+//!   universal, 4 spherical, 5 free), two axes 6 x `f32` (unused ones zero), placement quaternion xyzw and translation
+//!   7 x `f32` (m), mass `f32` (kg), centre of mass 3 x `f32` (m), inertia xx xy xz yy yz zz 6 x `f32` (kg m²), rotor
+//!   inertia `f32` (kg m², kg)
+//! - v x 24 bytes, dof: least, most, home, largest speed, acceleration and effort, 6 x `f32` (rad, m, N m, N)
+//! - 20 bytes each, linked limit: dof and other `u16`, factors 2 x `f32`, least and most 2 x `f32`
+//! - drive: its dofs and its servos, each a count `u16` and as many indices `u16`; kind `u16` and numbers:
+//!   0 matrix, 1 matrix of a ball joint: rows, then offsets, `f32`; 2 curve: count of points `u16`, points 2 x `f32`;
+//!   3 four-bar: ground, crank, coupler, rocker, crank's zero, rocker's zero, range 8 x `f32`, crossed `u16`
+//! - s x 56 bytes, servo: bus `u16`, address `u16` (channels from 256), gear, offset, range, torque, speed,
+//!   acceleration, torque constant, position gain, friction, damping, rotor inertia 12 x `f32`, on signal loss `u16`
+//!   (0 limp, 1 hold, 2 home), zero `u16`
+//! - `u32`: CRC-32 (ISO-HDLC) of all bytes before it
 //!
 //! Where and how the base stands is the placement of body 0: gravity is along -y of the world.
 
