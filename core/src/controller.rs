@@ -124,7 +124,7 @@ impl<const N: usize> TorqueController<N> {
         Ok(())
     }
 
-    /// Of no bodies: it asks for nothing.
+    /// Creates a controller for an empty tree, which asks for nothing.
     pub(crate) fn of_nothing() -> Self {
         Self {
             tree: Tree::new(),
@@ -138,7 +138,7 @@ impl<const N: usize> TorqueController<N> {
         }
     }
 
-    /// The same controller with another control law.
+    /// Sets the control law.
     ///
     /// # Errors
     /// [`ControllerError::Law`] if the method needs inverse dynamics.
@@ -147,7 +147,7 @@ impl<const N: usize> TorqueController<N> {
         Ok(self)
     }
 
-    /// The same in its place.
+    /// Sets the control law in place.
     pub(crate) fn set_law(&mut self, law: ControlLaw) -> Result<(), ControllerError> {
         let resolved = matches!(self.method, Method::ResolvedAcceleration { .. });
         if resolved && law != ControlLaw::InverseDynamics {
@@ -157,7 +157,7 @@ impl<const N: usize> TorqueController<N> {
         Ok(())
     }
 
-    /// The same controller in another field of gravity, world axes.
+    /// Sets gravity, in world axes, m/s².
     ///
     /// # Errors
     /// [`ControllerError::NonFinite`].
@@ -168,7 +168,7 @@ impl<const N: usize> TorqueController<N> {
         Ok(Self { gravity_m_s2, ..self })
     }
 
-    /// The same controller with gains of their own for each joint.
+    /// Sets gains for each joint.
     ///
     /// # Errors
     /// [`ControllerError::GainsCount`] if there are not as many as joints.
@@ -180,7 +180,7 @@ impl<const N: usize> TorqueController<N> {
         Ok(Self { gains: fixed::collect(gains.iter().copied()), ..self })
     }
 
-    /// The same controller with a torque limit for each joint.
+    /// Sets a torque limit for each joint.
     ///
     /// # Errors
     /// [`ControllerError::Count`] if there is not one for each joint.
@@ -223,8 +223,8 @@ impl<const N: usize> TorqueController<N> {
         Ok(Self { limits: fixed::collect(limits.iter().copied()), ..self })
     }
 
-    /// The same controller with the PD law, its gains per unit of inertia (1/s² and 1/s): the torque of a joint
-    /// is what these gains ask for, times the joint's own constant inertia (see
+    /// Sets the PD law with gains per unit of inertia (1/s² and 1/s): the torque of a joint is what
+    /// these gains ask for, times the joint's own constant inertia (see
     /// [`reflected_inertia`](crate::dynamics::reflected_inertia)).
     ///
     /// Joints move each other, so the damping that a period allows is less than that of one joint alone:
@@ -261,7 +261,7 @@ impl<const N: usize> TorqueController<N> {
         Ok(self)
     }
 
-    /// The same in its place.
+    /// Sets that law in place.
     pub(crate) fn set_pd_of_inertia(
         &mut self,
         inertias: &[ReflectedInertia],

@@ -22,8 +22,8 @@ use crate::tree::{Body, Tree};
 /// The poses of one rig, and how far they are apart.
 ///
 /// A pose has coordinates θ (what its joints leave free) and a place in space F(θ): the positions of all joints, world
-/// axes, metres. Distances in θ, as [`Self::angle_distance`], do not tell the shoulder from the finger; distances in
-/// F do, and the way between two poses that keeps all bones as long as they are is a curve on the surface that F
+/// axes, metres. Distances in θ, as [`Self::angle_distance`], weigh a shoulder and a finger equally; distances
+/// in F do not, and the way between two poses that keeps all bones as long as they are is a curve on the surface that F
 /// makes: see [`Self::line_distance`] and [`Self::curve_energy`].
 ///
 /// As in the paper, where the root is and how it is turned does not count, unless [`Self::with_root`] says so.

@@ -57,7 +57,7 @@ pub(super) struct Desired<const N: usize> {
 }
 
 impl<const N: usize> Desired<N> {
-    /// Of no bodies.
+    /// Creates the desired side of an empty tree.
     #[inline(never)]
     pub(super) fn empty() -> Self {
         Self {

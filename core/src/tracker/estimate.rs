@@ -28,7 +28,7 @@ pub(super) struct Estimate<const N: usize, const D: usize> {
 }
 
 impl<const N: usize, const D: usize> Estimate<N, D> {
-    /// Of no bodies.
+    /// Creates an estimator for an empty tree.
     pub(super) fn empty() -> Self {
         Self {
             dt_s: 0.0,

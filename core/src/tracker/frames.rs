@@ -85,8 +85,7 @@ impl<S: FrameSource + ?Sized> FrameSource for &mut S {
     }
 }
 
-/// A pose so many frames before the first: a performance moves on into its first frame as it does out of it, so that it
-/// begins with the velocity of its first step.
+/// Extrapolates a pose `frames` before the start, at the velocity of the first step.
 ///
 /// ```
 /// use sinew_core::{Transform, glam::Vec3, tracker::extrapolate_before_start};

@@ -108,7 +108,7 @@ impl<const N: usize, const D: usize> Tracker<N, D> {
 }
 
 impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
-    /// The same with a workspace of its own: resolved acceleration needs [`Workspace::resolving`].
+    /// Creates a tracker with a workspace: resolved acceleration needs [`Workspace::resolving`].
     ///
     /// # Errors
     /// As [`Tracker::new`].
@@ -168,7 +168,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         Ok(())
     }
 
-    /// The same with a torque limit for each joint.
+    /// Sets a torque limit for each joint.
     ///
     /// # Errors
     /// [`ControllerError`] as [`TorqueController::with_limits`].
@@ -176,7 +176,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         Ok(Self { controller: self.controller.with_limits(limits)?, ..self })
     }
 
-    /// The same in another field of gravity, m/s², world axes. Default: 9.81 m/s² along -y.
+    /// Sets gravity, in world axes, m/s². Default: 9.81 m/s² along -y.
     ///
     /// # Errors
     /// [`ControllerError`] as [`TorqueController::with_gravity`].
@@ -184,7 +184,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         Ok(Self { controller: self.controller.with_gravity(gravity_m_s2)?, ..self })
     }
 
-    /// The same with drives that share a supply, by the rule of [`Settings::sharing`].
+    /// Sets the supply that all drives share, by the rule of [`Settings::sharing`].
     ///
     /// # Errors
     /// [`TrackerError`] if the supply is of another number of joints, or has weights where
@@ -200,7 +200,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         Ok(Self { supply: Some(supply), ..self })
     }
 
-    /// The same with a range for each joint: the projection has no target outside of them.
+    /// Sets a range for each joint: the projection has no target outside of them.
     ///
     /// # Errors
     /// [`TrackerError`] if the method has no projection, there is not a range for each joint, or one does not fit its
@@ -212,7 +212,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         Ok(self)
     }
 
-    /// The same with other weights in the projection, such as
+    /// Sets the weights of the projection, such as
     /// [`BodyWeights::by_importance`](crate::projection::BodyWeights::by_importance).
     ///
     /// # Errors

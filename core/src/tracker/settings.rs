@@ -16,7 +16,7 @@ use super::names::{
     AimName, DesiredVelocity, Differences, GainsName, MethodName, Sharing, WeightsName,
 };
 
-/// What a turn counts against a distance in the projection, as it is recommended: 1 rad as much as half a metre.
+/// Recommended weight of rotation against position in the projection: an error of 1 rad costs as much as 0.5 m.
 pub const RECOMMENDED_ROTATION_WEIGHT_M: f32 = 0.5;
 
 /// Bandwidth of the recommended observer, where a tick is not longer than one over it.
@@ -113,7 +113,7 @@ impl<B: Default> Default for Settings<B> {
     serde(deny_unknown_fields, default)
 )]
 pub struct ProjectionSettings {
-    /// What a turn counts against a distance: 1 rad as much as this many metres.
+    /// Weight of rotation against position: an error of 1 rad costs as much as this many metres.
     pub rotation_m: f32,
     /// How that is shared among the bodies.
     pub weights: WeightsName,

@@ -4,8 +4,8 @@ use crate::pose_step::rate;
 
 use super::error::{SettingError, TrackerError};
 
-/// The longest time from a measurement to the end of the tick that its torque acts in, in s, for the recommended
-/// setting: beyond it, every simulated rig with masses off by 15 % and sensors of 12 bits was lost.
+/// Maximum delay from a measurement to the end of the actuated tick, s. In simulation, `recommended` is unstable beyond
+/// it on every rig with masses off by 15 % and sensors of 12 bits.
 pub const MAX_DELAY_S: f32 = 0.010;
 
 /// When a tracker acts: its period, and how late its torques are.

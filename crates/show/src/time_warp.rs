@@ -1,4 +1,4 @@
-//! Where a performance was, when a show that is slower than it is somewhere.
+//! Maps time in a slowed-down show to time in the original performance.
 
 /// The course of a slowed show: samples of it, and of the performance that it was made from. Between two of them the
 /// performance goes evenly, behind the last one as fast as the show.

@@ -1,4 +1,4 @@
-//! What a board keeps over a power cut: settings, rig and faults in a log, shows in raw slots. See `docs/storage.md`.
+//! Persistent storage of a board: settings, rig and faults in a log, shows in raw slots. See `docs/storage.md`.
 //!
 //! - [`BoardTable`] is what a board declares: where its flash is free, and how large a rig it holds.
 //! - [`Store`] keeps items in any NOR flash ([`embedded_storage::nor_flash::NorFlash`]). Every item has a

@@ -49,7 +49,7 @@ impl Stored {
     }
 }
 
-/// What a record says that it is, whole or not.
+/// Reads a record's descriptor, even if the record is incomplete.
 pub(crate) fn describe<F: NorFlash>(
     flash: &mut F,
     record: &Record,

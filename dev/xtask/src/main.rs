@@ -39,8 +39,8 @@ Commands:
             with SINEW_DATA and SINEW_REFERENCE `retargeting`
   firmware  Builds the image of every board, runs those that QEMU has, and compares their torques with the host's;
             with a board's name, only that board's
-  budget    Builds the images and measures instructions, stack, flash and RAM, holds them to the promises of
-            budget.toml, and prints what has changed; with --accept, puts them there
+  budget    Builds all images, measures instructions, stack, flash and RAM, compares them with the promises of
+            budget.toml, and prints what has changed; with --accept, writes the measurement there
   parity    Runs the built-in evaluation on every machine there is, emulated ones too, and names the first number that
             has other bits
   node      Runs a whole node in QEMU, from a blank board to a performance and an emergency stop, and compares all bytes

@@ -129,7 +129,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         Ok(controller)
     }
 
-    /// Of a rig, but without settings and servos.
+    /// Creates an unconfigured controller of a rig: `set_up` must follow.
     #[inline(never)]
     pub(crate) fn blank(rig: &'a BoardRig<BODIES, DOFS, SERVOS>) -> Self {
         let mut supervisor = Supervisor::default();
@@ -159,7 +159,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         }
     }
 
-    /// Makes a whole one of a blank one, in its place: it is large, and each move would take its size of stack.
+    /// Initializes in place. The value is large, and moving it would cost its size in stack.
     #[inline(never)]
     pub(crate) fn set_up(
         &mut self,
@@ -321,7 +321,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         self.comparison.stop(bus);
     }
 
-    /// What became of the last tick.
+    /// Returns the report of the last tick.
     pub fn report(&self) -> &Report<DOFS, SERVOS> {
         &self.report
     }

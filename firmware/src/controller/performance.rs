@@ -36,7 +36,7 @@ pub(super) struct Performance<'a, const BODIES: usize, const DOFS: usize, const 
 impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
     Performance<'a, BODIES, DOFS, SERVOS>
 {
-    /// Of a rig, but of no servos yet.
+    /// Creates an unconfigured value of a rig: `set_up` must follow.
     #[inline(never)]
     pub(super) fn blank(rig: &'a BoardRig<BODIES, DOFS, SERVOS>) -> Self {
         Self {
@@ -49,7 +49,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         }
     }
 
-    /// Makes a whole one of a blank one, in its place.
+    /// Initializes in place.
     #[inline(never)]
     pub(super) fn set_up(
         &mut self,

@@ -1,4 +1,4 @@
-//! Below: link and storage, a step at a time.
+//! The background task: host link and storage. `main` calls it in a loop; the control loop may interrupt it anywhere.
 
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Deque;
@@ -50,7 +50,7 @@ pub struct Setup<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize
     pub line_bps: u32,
 }
 
-/// Link and storage of a node. It runs below the loop, which interrupts it anywhere.
+/// A node's host link and storage. The control loop may interrupt it anywhere.
 pub struct BackgroundTask<
     'a,
     F,

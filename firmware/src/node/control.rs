@@ -1,4 +1,4 @@
-//! Above: the loop with its orders, once a tick.
+//! The control loop. Runs in the timer interrupt, once per tick.
 
 use core::fmt;
 
@@ -51,9 +51,9 @@ pub struct ControlLoop<
 > {
     rig: &'a BoardRig<BODIES, DOFS, SERVOS>,
     pub(super) controller: MotionController<'a, BODIES, DOFS, SERVOS, COORDS>,
-    /// None of a blank one.
+    /// `None` before `set_up`.
     live: Option<Live<COORDS>>,
-    /// Here while torque may be on.
+    /// The permit to erase flash. The control loop holds it while torque may be on.
     disarmed: Option<Disarmed>,
     /// The command that this tick carries out.
     asked: Option<CommandId>,
@@ -62,7 +62,7 @@ pub struct ControlLoop<
     pub(super) service: Option<(CommandId, ServiceRequest)>,
     pub(super) supply: MinSupply,
     jog: Option<(Jog, u64)>,
-    /// Faults that were handed down.
+    /// Faults already reported to the background task.
     told: FaultLog<LOGGED>,
     show_hz: Option<f32>,
     times: Times,
@@ -104,7 +104,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         act(made.map(|()| &mut control))
     }
 
-    /// Of a rig, but without settings and servos. Nobody outside sees one.
+    /// Creates an unconfigured loop in place. Private: `set_up` must follow.
     // Not within its caller, as all that makes a large part: the compiler then makes it in its place.
     #[inline(never)]
     fn blank(rig: &'a BoardRig<BODIES, DOFS, SERVOS>) -> Self {

@@ -1,4 +1,4 @@
-//! What goes from below the loop to it, and back.
+//! The mailbox between the control loop and the background task.
 
 use heapless::{Deque, Vec};
 use sinew_link::message::{Dof, Health, LiveFrame, PASSED_MAX, Pass, Servo, Summary};
@@ -8,7 +8,7 @@ use sinew_storage::Disarmed;
 use crate::controller::Jog;
 use crate::supervisor::{Answer, Command, FaultNews, LOGGED, Operator, State};
 
-/// Of whom a command is: its session and number.
+/// Identifies a command: session and sequence number.
 pub(super) type CommandId = (u16, u16);
 
 /// Live frames that may wait for the next tick.
@@ -18,7 +18,7 @@ pub(super) const LIVE_WAITING: usize = 4;
 pub(super) const FAULTS_WAITING: usize = 16;
 const _: () = assert!(FAULTS_WAITING > LOGGED, "what the supervisor keeps has room at once");
 
-/// Something that both halves reach: on a board a value behind a critical section.
+/// State shared by interrupt and background. On a board, a value protected by a critical section.
 ///
 /// **Duty**: `act` has the value for itself, is never called within itself, and is short; so it cannot fail.
 pub trait Shared<T> {
@@ -26,10 +26,10 @@ pub trait Shared<T> {
     fn with<R>(&self, act: impl FnOnce(&mut T) -> R) -> R;
 }
 
-/// The mail between the halves of a node: each takes what the other has left.
+/// The mailbox of a node: each context takes what the other has left.
 ///
-/// While torque is off, the one [`Disarmed`] lies here. The loop takes it away to arm, and what is below takes it to
-/// erase; whoever comes second does not get it.
+/// While torque is off, the one [`Disarmed`] is stored here. The control loop takes it away to arm, the background task
+/// to erase; whoever comes second does not get it.
 #[derive(Debug)]
 pub struct Mail<'a, const DOFS: usize, const SERVOS: usize, const COORDS: usize> {
     /// A valid and new message came.

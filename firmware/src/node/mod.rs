@@ -8,18 +8,20 @@
 //! ```
 //!
 //! - [`start`] reads back what flash keeps, and says what is bad as numbered faults.
-//! - [`ControlLoop::tick`] runs above all else: one tick, orders of the mail first. It alone feeds the watchdog.
-//! - [`BackgroundTask::step`] runs below it: bytes of the link, storage, the log of faults, telemetry.
-//! - [`Mail`] is all that both reach; [`Shared`] is the board's critical section round it.
-//! - [`Safety`] and [`Port`] are what a board gives.
+//! - [`ControlLoop::tick`] runs in the timer interrupt: one tick, requests of the mail first. It alone feeds the
+//!   watchdog.
+//! - [`BackgroundTask::step`] runs in `main`: bytes of the host link, storage, the log of faults, telemetry.
+//! - [`Mail`] is all that both share; [`Shared`] is the board's critical section round it.
+//! - [`Safety`] and [`Port`] are what a board provides.
 //!
 //! # Who may erase
-//! There is one [`Disarmed`](sinew_storage::Disarmed), and it moves. While torque is off it lies in the mail. The loop
-//! takes it away to arm, and gives it back when torque is off again; the desk takes it to write or erase. So nothing is
-//! erased while armed, and nothing is armed while flash is erased: the types say so, whoever interrupts whom.
+//! There is one [`Disarmed`](sinew_storage::Disarmed), and it moves. While torque is off it is in the mail. The
+//! control loop takes it away to arm, and gives it back when torque is off again; the background task takes it to write
+//! or erase. Nothing is erased while armed, and nothing is armed while flash is erased: the types say so,
+//! whoever interrupts whom.
 //!
 //! # Shows in flash
-//! A show is played where it lies: the loop holds a `&'a [u8]` of memory-mapped flash, which [`Port::lend`] gives. Only
+//! A show is read in place: the loop holds a `&'a [u8]` of memory-mapped flash, which [`Port::lend`] gives. Only
 //! slots are lent. While the loop has not said which show it reads, none is erased and no other is lent: two are lent
 //! at most, the old one until the loop has the new one. An upload goes to slots that hold none. So the one place that a
 //! board must vouch for is `lend`.

@@ -250,7 +250,7 @@ fn mirror_rotation(rotation: DQuat) -> DQuat {
     DQuat::from_xyzw(rotation.x, -rotation.y, -rotation.z, rotation.w)
 }
 
-/// Turns to the side where a movement is described for the other: angles about x, y, z.
+/// Mirrors a rotation (angles about x, y, z) to the other side of the body.
 pub(super) fn mirror_turn(turn: DVec3) -> DVec3 {
     DVec3::new(turn.x, -turn.y, -turn.z)
 }

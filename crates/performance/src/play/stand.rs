@@ -1,4 +1,4 @@
-//! Servos, their lines and the controller, in lock-step: a tick a call.
+//! Runs controller, bus lines and simulated servos in lockstep, one tick per call.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -177,7 +177,7 @@ impl<'a, P: Plant> Stand<'a, P> {
         run_all(lines, end_ns);
     }
 
-    /// What became of the last tick.
+    /// Returns the report of the last tick.
     pub fn report(&self) -> &Report<DOFS, SERVOS> {
         self.controller.report()
     }

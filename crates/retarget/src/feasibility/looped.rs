@@ -101,8 +101,8 @@ pub enum LoopError {
 }
 
 /// Leads the last `blend_s` of a motion to its first row: a quintic is added to each coordinate, so that position,
-/// speed and acceleration are those of the beginning. All before stays as it is, and so does the duration. A ball joint
-/// goes the shorter way round. O(rows).
+/// speed and acceleration are those of the beginning. Everything before the blend, and the duration, are unchanged.
+/// A ball joint goes the shorter way round. O(rows).
 ///
 /// # Errors
 /// [`LoopError`] if the motion is none of the rig or shorter than the blend, a base would have to hurry back, or a ball

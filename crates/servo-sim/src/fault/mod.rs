@@ -1,4 +1,4 @@
-//! Faults to order.
+//! Injects faults into simulated servos.
 
 mod order;
 

@@ -45,8 +45,8 @@ struct Candidate {
     round: usize,
 }
 
-/// Curves of a group. If the bound cannot be held, the nearest that there are. `before`: knots of curves to begin with,
-/// if there are any: more of them are laid where the bound asks for it, and none is taken away.
+/// Fits curves to a group of channels within the error bound, or as close as possible. `before`: knots of curves to
+/// begin with, if there are any. The fit adds knots where the bound requires them, and removes none.
 pub(super) fn refine(group: &[Samples], aim: &Aim<'_>, before: &[Vec<i32>]) -> Vec<Refined> {
     let (largest, of_curve) = match aim.bound {
         Bound::Number(largest) => (largest, largest),

@@ -1,4 +1,4 @@
-//! What commands that move a rig have in common: the right one, and how it is armed.
+//! Shared by commands that move a rig: checks that the board holds this rig, then arms it.
 
 use std::time::Duration;
 
@@ -12,7 +12,7 @@ pub(in crate::cli) const READY: Duration = Duration::from_secs(10);
 /// Between two tries.
 const AGAIN: Duration = Duration::from_millis(100);
 
-/// That the board has the rig of the file.
+/// Checks that the board holds the rig of the file.
 pub(in crate::cli) fn check_rig<L: Line>(board: &Board<L>, parts: &Parts) -> anyhow::Result<()> {
     const HELP: &str = "`sinew board upload rig FILE --port PORT` brings it";
     let bytes = parts.compact_rig().map_err(anyhow::Error::msg)?;

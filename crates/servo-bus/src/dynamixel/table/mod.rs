@@ -106,7 +106,7 @@ impl Table {
         }
     }
 
-    /// An item as this model has it, if it has it.
+    /// Returns this model's variant of a register, or `None` if the model lacks it.
     pub(crate) fn own(&self, only: Only, item: &Item) -> Option<Item> {
         self.has(only).then(|| self.adapted(*item))
     }

@@ -164,7 +164,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// The table of the model of this name, in any case.
+    /// Looks up a model's register table by name, ignoring case.
     pub fn of(name: &str) -> Option<Self> {
         MODELS
             .iter()
