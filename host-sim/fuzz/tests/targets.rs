@@ -2,7 +2,7 @@
 
 #![cfg(feature = "bolero")]
 
-#[path = "../../tests/readers/targets.rs"]
+#[path = "../../tests/files/readers/targets.rs"]
 mod targets;
 
 /// The target that `SINEW_TARGET` names; without a name all of them, by the first byte.

@@ -1,5 +1,7 @@
 //! Pages in a browser without a screen, as a reader has them: from disk, with no network.
 
+#[path = "../common/mod.rs"]
+mod common;
 mod devtools;
 mod feasibility;
 mod page;

@@ -1,21 +1,17 @@
 //! The page of a recording.
 
 use std::path::Path;
-use std::process::Command;
 
 use sinew_performance::play::{Part, Recording};
 
+use crate::common::{sinew_in, text};
 use crate::page::{Page, with_page};
 
 /// A recording of an arm of three that plays for 2 s, and its page.
 fn recorded(folder: &Path) -> [std::path::PathBuf; 2] {
     let sinew = |arguments: &[&str]| {
-        let output = Command::new(env!("CARGO_BIN_EXE_sinew"))
-            .current_dir(folder)
-            .args(arguments)
-            .output()
-            .expect("the command starts");
-        let told = String::from_utf8_lossy(&output.stderr);
+        let output = sinew_in(folder, arguments);
+        let told = text(&output.stderr);
         assert!(output.status.success(), "{arguments:?}: {told}");
     };
     sinew(&["rig", "new", "--arm", "3", "-o", "arm.toml"]);

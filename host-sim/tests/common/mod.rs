@@ -1,0 +1,38 @@
+//! The command `sinew` as a process.
+#![allow(dead_code, reason = "each program of tests uses a part")]
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// Returns the command without arguments.
+pub(crate) fn command() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_sinew"))
+}
+
+/// Runs the command.
+pub(crate) fn sinew(arguments: &[&str]) -> Output {
+    command().args(arguments).output().expect("the command starts")
+}
+
+/// Runs the command in a folder.
+pub(crate) fn sinew_in(folder: &Path, arguments: &[&str]) -> Output {
+    command().current_dir(folder).args(arguments).output().expect("the command starts")
+}
+
+/// Returns standard output of a run that succeeds.
+#[track_caller]
+pub(crate) fn printed(arguments: &[&str]) -> String {
+    let output = sinew(arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
+    String::from_utf8(output.stdout).expect("UTF-8")
+}
+
+/// Returns what a process has written.
+pub(crate) fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Returns the path of a file in a folder.
+pub(crate) fn path(folder: &Path, name: &str) -> String {
+    folder.join(name).to_str().expect("UTF-8").to_owned()
+}

@@ -1,0 +1,8 @@
+//! Files of others: of many makers, recorded, damaged and hostile.
+
+mod attack;
+#[path = "../common/mod.rs"]
+mod common;
+mod foreign;
+mod mocap_data;
+mod readers;

@@ -1,0 +1,208 @@
+//! Commands for a board, as a person calls them, at a simulated board on a pseudo-terminal.
+
+use std::io::{BufRead as _, BufReader};
+use std::process::{Child, Command, Output, Stdio};
+
+use crate::common::{command, path};
+
+fn sinew(args: &[&str]) -> Command {
+    let mut command = command();
+    command.args(args);
+    command
+}
+
+fn text(output: &Output) -> String {
+    [&output.stdout, &output.stderr]
+        .map(|bytes| String::from_utf8_lossy(bytes).into_owned())
+        .concat()
+}
+
+/// What it says with this exit code.
+fn says(args: &[&str], code: i32) -> String {
+    let output = sinew(args).output().unwrap();
+    assert_eq!(output.status.code(), Some(code), "{args:?}: {}", text(&output));
+    text(&output)
+}
+
+/// A process that serves a port, ended with this.
+struct Served(Child);
+
+impl Served {
+    fn start(args: &[&str]) -> Self {
+        let mut child = sinew(args).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+        let mut line = String::new();
+        BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+        assert_eq!(line, "ready\n");
+        Self(child)
+    }
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+#[test]
+fn a_board_is_looked_over_set_up_and_asked() {
+    let folder = tempfile::tempdir().unwrap();
+    let [rig, port, flash, report] =
+        ["arm.toml", "board", "flash.bin", "report.txt"].map(|name| path(folder.path(), name));
+    says(&["rig", "new", "--arm", "3", "-o", &rig], 0);
+    let simulate = ["board", "simulate", "--rig", &rig, "--pty", &port, "--flash", &flash];
+    {
+        let _blank = Served::start(&[&simulate[..], &["--blank"]].concat());
+        let none = says(&["board", "monitor", "--port", &port, "--samples", "1"], 2);
+        assert!(none.contains("the board has no rig"), "{none}");
+        let stored = says(&["board", "upload", "rig", &rig, "--port", &port], 0);
+        assert!(stored.contains("the board has rig"), "{stored}");
+    }
+    // The file has kept it.
+    let _board = Served::start(&[&simulate[..], &["--blank"]].concat());
+    let line =
+        says(&["board", "monitor", "--port", &port, "--samples", "3", "--interval-ms", "200"], 0);
+    assert_spreads(&line);
+    let set = says(&["board", "settings", "--port", &port, "set", "stop_s", "3"], 0);
+    assert!(set.contains("stop_s is 3 now"), "{set}");
+    assert_eq!(says(&["board", "settings", "--port", &port, "get", "stop_s"], 0), "3\n");
+    let wrong = says(&["board", "settings", "--port", &port, "get", "stop"], 2);
+    assert!(wrong.contains("link_hold_s"), "{wrong}");
+    let refused = says(&["board", "settings", "--port", &port, "set", "stop_s", "1e9"], 2);
+    assert!(refused.contains("must be a number from"), "{refused}");
+    let model = says(&["servo", "ping", "1", "--board", &port, "--baud", "3000000"], 0);
+    assert!(model.contains("servo 1: XL330"), "{model}");
+    let looked = sinew(&["board", "doctor", "--port", &port, "--rig", &rig, "-o", &report]);
+    let looked = { looked }.output().unwrap();
+    let looked = text(&looked);
+    let kept = std::fs::read_to_string(&report).unwrap();
+    for of in ["firmware", "link", "period of ticks", "(id 3)", "57600 baud", "supply under load"] {
+        assert!(looked.contains(of) && kept.contains(of), "{of}: {looked}");
+    }
+    assert_spreads(&kept);
+}
+
+/// Lets the board wait for its host: a machine with other work may keep this one from its line for 0.2 s.
+fn be_patient(port: &str) {
+    says(&["board", "settings", "--port", port, "set", "link_hold_s", "1.9"], 0);
+}
+
+/// A row for each part of a board: how often it came, then least, mean, most and jitter, in us and in cycles. A
+/// simulated board's cycles are us of simulated time.
+#[track_caller]
+fn assert_spreads(text: &str) {
+    for part in ["tick", "bus", "link", "period"] {
+        let rows = text.lines().filter_map(|line| line.trim_start().strip_prefix(part));
+        let numbers = |row: &str| -> Option<Vec<f64>> {
+            row.split_whitespace().map(|number| number.parse().ok()).collect()
+        };
+        let row = rows.filter_map(numbers).find(|row| row.len() == 9);
+        let row = row.unwrap_or_else(|| panic!("no row of {part}: {text}"));
+        assert!(row[0] >= 10.0, "{part}: {text}");
+        let [in_us, in_cycles] = [&row[1..5], &row[5..]];
+        assert_eq!(in_us, in_cycles, "{part}: {text}");
+        let [least, mean, most, jitter] = in_us else { panic!("{text}") };
+        assert!(least <= mean && mean <= most, "{part}: {text}");
+        // They are whole numbers.
+        assert!((jitter - (most - least)).abs() < 0.5, "{part}: {text}");
+    }
+}
+
+#[test]
+fn the_wrong_kind_of_port_and_a_second_program_are_refused_with_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let [rig, board, bus] = ["arm.toml", "board", "bus"].map(|name| path(folder.path(), name));
+    says(&["rig", "new", "--arm", "3", "-o", &rig], 0);
+    let _servos = Served::start(&["servo", "simulate", "--rig", &rig, "--pty", &bus]);
+    let _board = Served::start(&["board", "simulate", "--rig", &rig, "--pty", &board]);
+    let no_board = says(&["board", "faults", "--port", &bus], 2);
+    assert!(no_board.contains("servos answer here") && no_board.contains("--port"), "{no_board}");
+    let no_bus = says(&["servo", "ping", "1", "--port", &board, "--baud", "1000000"], 2);
+    assert!(no_bus.contains("a controller answers here") && no_bus.contains("--board"), "{no_bus}");
+    let mut monitor = sinew(&["board", "monitor", "--port", &board])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut line = String::new();
+    BufReader::new(monitor.stdout.take().unwrap()).read_line(&mut line).unwrap();
+    let second = says(&["board", "faults", "--port", &board], 2);
+    monitor.kill().unwrap();
+    monitor.wait().unwrap();
+    assert!(second.contains("another program has it"), "{second}");
+}
+
+#[test]
+fn a_show_is_uploaded_once_played_and_unplugged() {
+    let folder = tempfile::tempdir().unwrap();
+    let [rig, map, show, port] =
+        ["arm.toml", "map.toml", "a.show", "board"].map(|name| path(folder.path(), name));
+    says(&["rig", "new", "--arm", "3", "-o", &rig], 0);
+    let text = std::fs::read_to_string(&rig).unwrap();
+    let joint = text.split("[[joint]]").nth(1).and_then(|joint| joint.split('"').nth(1)).unwrap();
+    let curve = format!(
+        "rig = \"arm\"\nclip = \"punches_01\"\n\n[[curve]]\nclip = \"forearm_l\"\naxis = [0, 0, 1]\nrig = \"{joint}\"\n\
+         points_deg = [[-180, -20], [180, 20]]\n"
+    );
+    std::fs::write(&map, curve).unwrap();
+    let bake = ["bake", "punches_01", "--rig", &rig, "--mapping", &map, "--fit", "--seconds", "1"];
+    says(&[&bake[..], &["-o", &show]].concat(), 0);
+    let board = Served::start(&["board", "simulate", "--rig", &rig, "--pty", &port]);
+    be_patient(&port);
+    let play = ["play", &show, "--rig", &rig, "--target", &port];
+    let first = says(&play, 0);
+    for state in ["arming", "playing", "lowering", "limp"] {
+        assert!(first.contains(state), "{first}");
+    }
+    let mut again = sinew(&play).stderr(Stdio::piped()).spawn().unwrap();
+    let mut lines = BufReader::new(again.stderr.take().unwrap()).lines().map_while(Result::ok);
+    assert!(lines.any(|line| line.contains("on the board already")));
+    assert!(lines.any(|line| line.contains("playing")));
+    drop(board);
+    let rest = lines.collect::<Vec<_>>().join("\n");
+    assert!(rest.contains("unplugged") && rest.contains("limp after 2 s"), "{rest}");
+    assert_eq!(again.wait().unwrap().code(), Some(2));
+}
+
+#[test]
+fn firmware_is_refused_with_what_would_be_right() {
+    let folder = tempfile::tempdir().unwrap();
+    let elf = path(folder.path(), "image");
+    let chip = says(&["board", "flash", &elf], 2);
+    assert!(chip.contains("nucleo_f446re"), "{chip}");
+    let flash = ["board", "flash", &elf, "--chip", "STM32F446RETx"];
+    std::fs::write(&elf, "no image").unwrap();
+    assert!(says(&flash, 2).contains("no ELF file"));
+    std::fs::write(&elf, b"\x7fELF sinew-link:\x09\x04").unwrap();
+    let other = says(&flash, 2);
+    assert!(other.contains("9.4") && other.contains("nothing was written"), "{other}");
+}
+
+#[test]
+fn a_rig_at_a_board_is_led_and_limp_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let [rig, port, csv, show] =
+        ["arm.toml", "board", "led.csv", "led.show"].map(|name| path(folder.path(), name));
+    says(&["rig", "new", "--arm", "3", "-o", &rig], 0);
+    let _board = Served::start(&["board", "simulate", "--rig", &rig, "--pty", &port, "--guide"]);
+    be_patient(&port);
+    let record = |how: &str, seconds: &str, file: &str| {
+        let of =
+            ["record", "--target", &port, "--rig", &rig, how, "--seconds", seconds, "-o", file];
+        says(&of, 0)
+    };
+    let limp = record("--limp", "8.5", &csv);
+    assert!(limp.contains("teaching") && limp.contains("lead it"), "{limp}");
+    // The hand of the simulated board goes the built-in way: 0.6 rad at most, from home and back.
+    let led = std::fs::read_to_string(&csv).unwrap();
+    let column = |line: &str| line.split(',').nth(1).and_then(|x| x.parse::<f64>().ok());
+    let most = led.lines().filter_map(column).fold(0.0, |most: f64, x| most.max(x.abs()));
+    assert!((0.2..0.7).contains(&most), "{most}");
+    let floating = record("--float", "4", &show);
+    assert!(floating.contains("floating") && floating.contains("limp"), "{floating}");
+    assert!(std::fs::metadata(&show).unwrap().len() > 100);
+    let hand =
+        sinew(&["record", "--target", &port, "--rig", &rig, "--mass-scale", "2", "-o", &csv]);
+    let hand = text(&{ hand }.output().unwrap());
+    assert!(hand.contains("it is for `--target sim`"), "{hand}");
+}

@@ -1,0 +1,12 @@
+//! Users' rigs with their servos and boards, from a new file to a performance.
+
+#[cfg(unix)]
+mod board;
+#[path = "../common/mod.rs"]
+mod common;
+mod evaluate;
+mod first_rig;
+mod rig;
+mod servo;
+mod shows;
+mod teach;

@@ -1,0 +1,11 @@
+//! `sinew servo` as a person calls it.
+
+#[cfg(unix)]
+mod calibrate;
+#[cfg(unix)]
+mod on_bus;
+#[cfg(unix)]
+mod process;
+mod refused;
+#[cfg(unix)]
+mod simulate;

@@ -1,0 +1,45 @@
+//! A clip on a rig, as a person calls it: map, bake, export, evaluate.
+
+mod emulated;
+mod face;
+mod humanoid;
+mod in_qemu;
+mod independent;
+mod loops;
+#[cfg(unix)]
+mod play;
+#[cfg(unix)]
+mod report;
+mod servos;
+
+use crate::common::sinew;
+
+/// What it prints, and what it notes.
+#[track_caller]
+fn done(arguments: &[&str]) -> [String; 2] {
+    let output = sinew(arguments);
+    let [out, err] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+    assert!(output.status.success(), "{arguments:?}: {err}");
+    [out, err]
+}
+
+#[track_caller]
+fn refused(arguments: &[&str], part: &str) {
+    let output = sinew(arguments);
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
+    assert!(told.contains(part), "{arguments:?}: {told}");
+}
+
+/// The bodies of a rig's file.
+fn mechanism(rig: &str) -> sinew_rig::Mechanism {
+    let options = sinew_rig::import::Options::default();
+    sinew_performance::rig::load(rig.as_ref(), &options).unwrap().mechanism
+}
+
+/// A time of a show in microseconds.
+fn whole_us(time_s: f64) -> u64 {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative")]
+    let us = (time_s * 1e6).round() as u64;
+    us
+}
