@@ -69,7 +69,7 @@ pub(super) fn refused(why: Refused) -> Refusal {
         }
         Refused::StopUntested => Refusal::StopUntested,
         Refused::Moving(Moving { dof, mrad_s, most_mrad_s }) => {
-            Refusal::Moving { dof: dof, mrad_s, most_mrad_s }
+            Refusal::Moving { dof, mrad_s, most_mrad_s }
         }
         Refused::FeedSilent(Feed::Show) => Refusal::FeedSilent(message::Feed::Show),
         Refused::FeedSilent(Feed::Live) => Refusal::FeedSilent(message::Feed::Live),

@@ -164,7 +164,7 @@ impl Model {
             match link.joint {
                 JointModel::Fixed => {}
                 JointModel::Revolute(axis) | JointModel::Prismatic(axis) => {
-                    axes[0] = rotation * axis
+                    axes[0] = rotation * axis;
                 }
                 JointModel::Universal([first, second]) => {
                     axes[0] = rotation * first;
