@@ -7,6 +7,7 @@ mod file;
 mod hashes;
 mod images;
 mod kernels;
+mod page;
 mod stack;
 mod tables;
 mod trace;
@@ -62,8 +63,10 @@ pub(crate) fn run(accept: bool) -> Result<()> {
         ));
     }
     if accept {
-        fs::write(&path, file::accepting(&text, &figures)?)?;
-        println!("{FILE} has these figures now.");
+        let text = file::accepting(&text, &figures)?;
+        fs::write(&path, &text)?;
+        fs::write(step::root().join(page::PAGE), page::print(&text)?)?;
+        println!("{FILE} and {} have these figures now.", page::PAGE);
     } else {
         // A figure that drifted breaks nothing: who changes code reads it here, and accepts it.
         for change in budget.changes(&figures) {
