@@ -31,11 +31,12 @@ pub(super) struct Args {
     #[arg(value_name = "CLIP", default_value = "punches_01")]
     clip: String,
 
-    /// The rig that performs it, which must be given: rig.toml, URDF or MJCF.
+    /// Rig that performs the show: rig.toml, URDF or MJCF. Required.
     #[arg(long, value_name = "RIG")]
     rig: Option<PathBuf>,
 
-    /// Which joint follows which, in TOML: see `sinew clip map`. Default: by names and geometry.
+    /// Mapping of the clip's joints to the rig's, in TOML, as `sinew clip map` proposes it. Default: by names and
+    /// geometry.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
 
@@ -45,38 +46,37 @@ pub(super) struct Args {
     #[command(flatten)]
     told: ToldArgs,
 
-    /// The largest error of the show's angles, deg.
+    /// Maximum error of the encoded joint angles, in degrees.
     #[arg(long, value_name = "DEG", default_value_t = 0.25, value_parser = error)]
     tolerance_deg: f64,
 
-    /// A cue: a name, and when in the clip, s. Of a fitted show it stands where the motion is then.
+    /// Cue: its name, and its time in the clip in s. In a fitted show the cue moves with the motion. May be repeated.
     #[arg(long, value_name = "NAME@S", value_parser = cue)]
     cue: Vec<(String, f64)>,
 
-    /// Time code of the beginning: hours, minutes, seconds, frames, and frames a second (24, 25, 30, 50, 60).
+    /// Time code at the start of the show: hours, minutes, seconds, frames, and frames per second (24, 25, 30, 50, 60).
     #[arg(long, value_name = "H:M:S:F@FPS", value_parser = time_code)]
     time_code: Option<TimeCode>,
 
-    /// Make a loop, which a board plays round after round: the end of the motion is led to its beginning, so that
-    /// position, speed and acceleration go on. Refused where that exceeds a limit, and where a base that travels would
-    /// have to hurry back.
+    /// Make a looping show. The end of the motion is blended into its start, with continuous position, speed and
+    /// acceleration. Fails if a limit would be exceeded, or if a base that travels would have to hurry back.
     #[arg(long = "loop")]
     is_loop: bool,
 
-    /// How long before its end a loop leaves the clip, s.
+    /// Length of the blend of --loop, in s: the loop leaves the clip so long before its end.
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = seconds, allow_negative_numbers = true, requires = "is_loop")]
     loop_blend_s: f64,
 
-    /// Only the first S seconds.
+    /// Use only the first S seconds of the clip.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     seconds: Option<f64>,
 
-    /// Also write a page: the rig in motion, plots of each joint beside its limits. One file that any browser opens
-    /// from disk, without a network.
+    /// Also write a page with the rig in motion, and with plots of each joint beside its limits: one file, for any
+    /// browser, without a network.
     #[arg(long, value_name = "FILE.html")]
     html: Option<PathBuf>,
 
-    /// The file to write.
+    /// File to write.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 }

@@ -22,8 +22,7 @@ use super::clips::seconds;
 use super::find::{self, ensure_room, frames};
 use super::told::ToldArgs;
 
-/// Blend from one clip to another where their poses are nearest, and write the motion as
-/// BVH.
+/// Blend one clip into another where their poses are nearest, and write the motion as BVH.
 ///
 /// The middle of the blend is the pair of frames with the shortest geodesic: the way of the
 /// joints through space that keeps bone lengths. Both clips play on during the blend. Every
@@ -62,8 +61,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "S", default_value_t = 0.5, value_parser = seconds, allow_negative_numbers = true)]
     blend_s: f64,
 
-    /// How much plays alone at least: of A before the blend, of B after it. 0 lets the blend begin and end where the
-    /// clips do.
+    /// Minimum time that A plays alone before the blend, and B after it. With 0 the blend may begin and end with the
+    /// clips.
     #[arg(long, value_name = "S", default_value_t = 0.5, value_parser = find::seconds, allow_negative_numbers = true)]
     alone_s: f64,
 

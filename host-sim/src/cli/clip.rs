@@ -6,7 +6,7 @@ use clap::{Args, Subcommand};
 
 use super::{blend, export, find, inspect, map, weights};
 
-/// Clips of motion capture: look into them, map them to a rig, find and blend motions, export.
+/// Inspect, map, search, blend and export clips of motion capture.
 ///
 /// A clip is a BVH, an AMC with its ASF beside it, or a humanoid3d text file.
 #[derive(Debug, Args)]

@@ -18,12 +18,12 @@ pub(super) struct DrivenArgs {
     #[arg(long, value_enum)]
     drive: Option<DriveArg>,
 
-    /// Rate of control, in Hz. Default: 500, or the rate that bus and board have time for; 100 if all servos are driven
-    /// by position.
+    /// Control rate in Hz. Default: 100 if all servos are in position mode; otherwise 500, or the highest rate that bus
+    /// and board allow.
     #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     rate_hz: Option<u32>,
 
-    /// Rate of all buses, in bit/s. Default: 4000000, on a board 3000000; of Feetech servos 1000000.
+    /// Rate of all bus lines, in bit/s. Default: 4000000, on a board 3000000; for Feetech servos 1000000.
     #[arg(long, value_name = "RATE")]
     baud: Option<u32>,
 }

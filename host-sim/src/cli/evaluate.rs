@@ -66,7 +66,7 @@ pub(super) struct Args {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// Aligned tables, the paper's numbers beside.
+    /// Aligned tables, with the paper's numbers.
     Table,
     /// One JSON object, schema `sinew-evaluate/1`.
     Json,

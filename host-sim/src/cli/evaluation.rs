@@ -11,7 +11,7 @@ use super::{evaluate, figure, latency, robustness, sweep, verify};
 ///
 /// Without a sub-command, a simulated figure of every scale tracks every clip with every method. The errors are
 /// measured in the world, against the clip in its own dimensions. Tables 1 to 4 of the paper are printed beside the
-/// paper's own numbers. Standard error names all that is skipped or filled in a clip.
+/// paper's own numbers. Standard error names everything that is skipped or filled in a clip.
 ///
 /// A clip of N frames makes N - 2 steps: forward differences look two frames ahead.
 ///

@@ -28,7 +28,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "RIG")]
     rig: PathBuf,
 
-    /// Which joint follows which, in TOML: see `sinew clip map`. Default: by names and geometry.
+    /// Mapping of the clip's joints to the rig's, in TOML, as `sinew clip map` proposes it. Default: by names and
+    /// geometry.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
 
@@ -38,11 +39,11 @@ pub(super) struct Args {
     #[command(flatten)]
     told: ToldArgs,
 
-    /// Frames a second. Default: the clip's own.
+    /// Rate of the exported motion, in frames per second. Default: the clip's own.
     #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
     rate_hz: Option<f64>,
 
-    /// The file to write: `.csv`, `.bvh` or `.json`.
+    /// File to write: `.csv`, `.bvh` or `.json`.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 }

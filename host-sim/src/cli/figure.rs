@@ -12,7 +12,7 @@ use sinew_host_util::command::print;
 
 use super::evaluate::scale;
 
-/// Print the bodies of the Hanavan-Kwon model of a measured subject.
+/// Print the bodies of a measured subject in the Hanavan-Kwon model.
 ///
 /// A row for each of the figure's 18 bodies: its solid, mass, share of the sum, the share by de Leva's table,
 /// density, centre of mass in m, and moments of inertia about the centre of mass in kg m².

@@ -64,11 +64,11 @@ pub(super) struct Args {
     #[arg(long, value_name = "HZ", default_value_t = 30.0, value_parser = rate, allow_negative_numbers = true)]
     rate_hz: f64,
 
-    /// Number of moments.
+    /// Number of moments to find.
     #[arg(long, value_name = "K", default_value = "10")]
     count: NonZeroUsize,
 
-    /// Least time between two moments of one clip.
+    /// Minimum time between two moments of one clip, in s.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.5, value_parser = seconds, allow_negative_numbers = true)]
     apart_s: f64,
 

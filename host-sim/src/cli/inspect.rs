@@ -10,12 +10,13 @@ use clap::ValueEnum;
 
 use super::told::ToldArgs;
 
-/// Show what files are: motions, characters and rigs.
+/// Show the content of files: motions, characters and rigs.
 ///
-/// Of each: format and maker, frames and rate, unit and up axis and why they are believed, height and span, the known
-/// skeleton that is nearest and what it lacks of it, T-pose, gaps, joint flips, and all joints as a tree.
+/// For each file it prints format and maker, frames and rate, unit and up axis and why they are believed, height and
+/// span, the known skeleton that is nearest and what it lacks of it, T-pose, gaps, joint flips, and all joints as a
+/// tree.
 ///
-/// A file that cannot be read is told, the others are shown all the same, and the exit code is 1.
+/// If a file cannot be read, the command names it, shows the others, and ends with exit code 1.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// The files: BVH, AMC (its ASF beside it), `DeepMimic` text, glTF, VRM, Geno.bin, URDF, MJCF, rig.toml.

@@ -36,7 +36,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "FACTOR", default_value = "1.1", value_parser = scale, allow_negative_numbers = true, conflicts_with = "rig")]
     scale: f64,
 
-    /// Methods.
+    /// Methods to try.
     #[arg(long, value_name = "METHOD,..", value_delimiter = ',', default_value = "all")]
     methods: Vec<MethodArg>,
 

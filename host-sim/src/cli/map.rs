@@ -21,8 +21,8 @@ use super::told::ToldArgs;
 
 /// Propose which joint of a rig follows which joint of a clip, as TOML to edit, for `--mapping`.
 ///
-/// With how sure each is, and why, as comments. Without `--rig`: of the human figure of 18 bodies, for any human
-/// skeleton. Skeletons that are known need none: `--list` names them.
+/// Comments give the confidence of each pair, and its reason. Without `--rig` the mapping is to the human figure of 18
+/// bodies, for any human skeleton. Known skeletons need no mapping: `--list` prints them.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// The clip: a BVH, AMC (its ASF beside it) or humanoid3d text file.
@@ -36,7 +36,7 @@ pub(super) struct Args {
     #[command(flatten)]
     told: ToldArgs,
 
-    /// Name the known skeletons. A clip's own is found by its joints; `--mapping NAME` takes one by its name.
+    /// Print the names of the known skeletons. `--mapping NAME` selects one; by default the clip's joints select it.
     #[arg(long, conflicts_with_all = ["clip", "rig", "metres_per_unit", "up"])]
     list: bool,
 }

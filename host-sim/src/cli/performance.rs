@@ -28,27 +28,27 @@ use super::told::ToldArgs;
 pub(super) enum BaseArg {
     /// Bolted to a stand.
     Stand,
-    /// It travels with the performer.
+    /// The base travels with the performer.
     Driven,
 }
 
 /// Options of a clip on a rig.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub(super) struct OnRig {
-    /// Cutoff of the low-pass that clips go through, Hz. 0: none. Default: 6; of `export` none.
+    /// Cutoff of the low-pass filter on clips, in Hz. 0: no filter. Default: 6; for `export` no filter.
     #[arg(long, value_name = "HZ", value_parser = cutoff, allow_negative_numbers = true, requires = "rig")]
     cutoff_hz: Option<f64>,
 
-    /// How the rig's base is held. Default: as its file says; of `export` a rig with feet travels.
+    /// How the rig's base is held. Default: as the rig's file says; for `export`, a rig with feet travels.
     #[arg(long, value_enum, requires = "rig")]
     base: Option<BaseArg>,
 
-    /// Left and right changed.
+    /// Swap left and right.
     #[arg(long, requires = "rig")]
     mirror: bool,
 
-    /// Make the nearest motion within all limits of the rig: smoothed, slowed down, or drawn towards home where it
-    /// must be.
+    /// Fit the motion within all limits of the rig: smooth it, slow it down, or draw it towards the home pose where
+    /// needed.
     #[arg(long, requires = "rig")]
     pub(super) fit: bool,
 

@@ -77,13 +77,13 @@ pub(super) struct Args {
     #[arg(long, hide = true)]
     qemu: bool,
 
-    /// What performs: `sim`, simulated servos under the controller in this program; `nucleo`, the NUCLEO-F446RE's own
-    /// image on an emulated chip, with simulated servos, several times slower than real time; or the serial port of a
-    /// controller board, such as /dev/ttyACM0, and `auto` for the USB port where one answers.
+    /// Where the show plays: `sim`, simulated servos under the controller in this program; `nucleo`, the
+    /// NUCLEO-F446RE's image on an emulated chip with simulated servos, several times slower than real time; or the
+    /// serial port of a controller board, such as /dev/ttyACM0, or the USB port where a board answers (`auto`).
     ///
-    /// A board must have this rig; it gets the show if it has it not. Ctrl-C stops its rig: it goes to its rest pose,
-    /// is lowered, and is limp. `cargo xtask emulate` builds the emulator and the image of `nucleo`; `SINEW_EMULATOR`
-    /// and `SINEW_NUCLEO_IMAGE` name others.
+    /// A board must have this rig; the command uploads the show if the board lacks it. Ctrl-C stops the rig: it goes to
+    /// its rest pose, is lowered, and torque is off. `cargo xtask emulate` builds the emulator and the image of
+    /// `nucleo`; `SINEW_EMULATOR` and `SINEW_NUCLEO_IMAGE` name others.
     #[arg(long, value_name = "sim|nucleo|PORT", default_value_t = Target::Sim)]
     target: Target,
 

@@ -35,8 +35,8 @@ use super::target::Target;
 /// `sinew bake FILE.csv --rig RIG --fit` brings a CSV within the rig's limits.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// Rig that is led: `sim`, simulated servos as of `sinew play`; or that of the controller board at a serial port,
-    /// such as /dev/ttyACM0, and `auto` for the USB port where one answers.
+    /// Rig that you lead: `sim`, simulated servos as of `sinew play`; or the rig of the controller board at a serial
+    /// port, such as /dev/ttyACM0, or at the USB port where a board answers (`auto`).
     #[arg(long, value_name = "sim|PORT", default_value_t = Target::Sim)]
     target: Target,
 

@@ -18,7 +18,7 @@ use super::rig::read;
 /// One HTML file that any browser opens from disk, without a network: by time each joint's target and measured
 /// position, error, torque with what limited it, and its servo's current; states and faults; a table of all joints.
 ///
-/// Of a recording that is cut off, because the machine went down or the disk was full, what is whole is shown.
+/// If the machine went down or the disk was full, the recording is cut off, and the page shows its whole part.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// The recording.
@@ -29,7 +29,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "RIG")]
     rig: Option<PathBuf>,
 
-    /// The file to write. Default: beside the recording, with its name and `.html`.
+    /// File to write. Default: beside the recording, with its name and `.html`.
     #[arg(short, long, value_name = "FILE.html")]
     output: Option<PathBuf>,
 }

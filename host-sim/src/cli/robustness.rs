@@ -17,12 +17,12 @@ use super::methods::{MethodArg, check_fixed, methods};
 use super::performance::OnRig;
 use super::setup::SetupArgs;
 
-/// Track the clips on rigs as they are built: a row for each of many, and the median.
+/// Track the clips on many rigs as built, and print a row for each rig, and the median.
 ///
-/// Every rig has masses off by up to 15 %, each body its own; joint sensors of 12 bits; and drives that come
-/// one step late. Control and plant run at 500 Hz, the clips have 100 frames a second and the controller goes
-/// smoothly between them. Without `--plant`, the exact one. `--rig` is your own rig, built many times; its motions have
-/// a frame for every step.
+/// Every rig has masses off by up to 15 %, each body its own; joint sensors of 12 bits; and drives that come one step
+/// late. Control and plant run at 500 Hz; the clips have 100 frames per second, and the controller interpolates
+/// smoothly. Default plant: the exact one. `--rig` is your own rig, built many times; its motions have a frame for
+/// every step.
 ///
 /// Means over all bodies and frames: degrees, centimetres, and the centimetres of the error weighted by importance.
 /// `lost` is a figure that fell apart. The last method is compared with each other one: on how many rigs its angular
@@ -48,13 +48,13 @@ pub(super) struct Args {
     )]
     methods: Vec<MethodArg>,
 
-    /// How many rigs.
+    /// Number of rigs.
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=1000), allow_negative_numbers = true)]
     rigs: u64,
 
-    /// Track with `recommended` and these weights, too: 1 rad as much as so many metres (100: nearly World with the
-    /// observer). A second table has medians, and on how many rigs angle and distance are below all methods without
-    /// projection.
+    /// Also track with `recommended` and each of these projection weights: 1 rad costs as much as this many metres
+    /// (100: nearly World with the observer). A second table has medians, and on how many rigs angle and distance are
+    /// below all methods without projection.
     #[arg(long, value_name = "M,..", value_delimiter = ',', allow_negative_numbers = true)]
     projection_weights: Vec<f32>,
 

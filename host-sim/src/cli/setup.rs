@@ -12,11 +12,11 @@ use sinew_rig::Mechanism;
 /// Options that make a [`Setup`]; the more special ones override the more general.
 #[derive(Debug, clap::Args)]
 pub(super) struct SetupArgs {
-    /// What simulates the figure.
+    /// Plant that simulates the figure.
     #[arg(long, value_enum, value_name = "PLANT")]
     plant: Option<PlantKind>,
 
-    /// Where the figure's masses come from.
+    /// Source of the figure's masses.
     #[arg(long, value_enum, value_name = "BODY", conflicts_with = "rig")]
     body: Option<BodySource>,
 

@@ -14,7 +14,7 @@ pub(super) enum Target {
     Sim,
     /// The NUCLEO-F446RE's own image on an emulated chip, with simulated servos.
     Nucleo,
-    /// The controller at a serial port; of `auto`, the one at a USB port that answers.
+    /// The controller at a serial port; for `auto`, the controller at a USB port that answers.
     Port(PathBuf),
 }
 

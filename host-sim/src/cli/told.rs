@@ -4,15 +4,15 @@ use sinew_figure::measured::Told;
 use sinew_mocap::Up;
 use sinew_rig::import::Options;
 
-/// What files do not tell of themselves.
+/// Properties that files do not contain.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
 pub(super) struct ToldArgs {
-    /// Length of the file's unit in metres: 0.01 for centimetres. Default: the file's own, that of other files of a
-    /// known skeleton, or by the body's height.
+    /// Unit of length of the file, in metres: 0.01 for centimetres. Default: the unit in the file, the unit of other
+    /// files with the same known skeleton, or a guess by the body's height.
     #[arg(long, value_name = "M", value_parser = unit, allow_negative_numbers = true)]
     metres_per_unit: Option<f64>,
 
-    /// The axis of the file that points up: x, y or z. Default: as its format says, or as the body stands.
+    /// Axis of the file that points up: x, y or z. Default: by the format, or by the body's posture.
     #[arg(long, value_name = "AXIS")]
     up: Option<Up>,
 }

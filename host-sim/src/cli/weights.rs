@@ -12,7 +12,7 @@ use sinew_report::weights as picture;
 
 use super::told::ToldArgs;
 
-/// Compute the importance of a character's joints: how much of it each one moves, and how far.
+/// Compute the importance of a character's joints: how much of the character each joint moves, and how far.
 ///
 /// FILE is a skinned character (Geno.bin; glTF 2.0 as *.glb or *.gltf), a rig (*.urdf), or a
 /// motion, whose skeleton is used (*.bvh, *.amc with its ASF, humanoid3d_*.txt).

@@ -24,14 +24,14 @@ pub(super) struct DoctorArgs {
     #[command(flatten)]
     board: BoardPort,
 
-    /// The rig that is on the board: rig.toml, URDF or MJCF. Its servos are checked too.
+    /// Rig on the board: rig.toml, URDF or MJCF. With it, the command also checks the rig's servos.
     #[arg(long, value_name = "RIG")]
     rig: Option<PathBuf>,
 
     #[command(flatten)]
     driven: DrivenArgs,
 
-    /// File of the report.
+    /// File to write the report to.
     #[arg(short, long, value_name = "FILE", default_value = "sinew-doctor.txt")]
     output: PathBuf,
 }

@@ -7,7 +7,7 @@ use sinew_link::message::Command;
 
 use super::{BoardPort, remedy, text::told};
 
-/// Print the faults that a board has stored, each with what to do; or clear them.
+/// Print the faults that a board has stored, each with its remedy; or clear the faults.
 ///
 /// A board keeps its faults over a loss of power. The first one since they were cleared is printed first, then the
 /// others from the latest back. The exit code is 1 if there are any. docs/faults.md explains each fault.

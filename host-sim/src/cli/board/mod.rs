@@ -25,7 +25,7 @@ use clap::{Args, Subcommand};
 use port::BoardPort;
 use text::remedy;
 
-/// A controller board: flash it, bring it a rig and shows, watch it, read its faults; or simulate one.
+/// Flash, check, watch and simulate controller boards, upload rigs and shows, and read faults.
 ///
 /// The board is at a serial port: `--port PORT` names it, such as /dev/ttyACM0. Without it, the one at a USB port that
 /// answers is taken.

@@ -34,7 +34,7 @@ const BAUD: u32 = 1_000_000;
 /// already.
 #[derive(Debug, Args)]
 pub(super) struct SimulateArgs {
-    /// The rig whose servos are on the board: rig.toml, URDF or MJCF.
+    /// Rig whose servos are on the board: rig.toml, URDF or MJCF.
     #[arg(long, value_name = "RIG")]
     rig: PathBuf,
 
@@ -47,7 +47,7 @@ pub(super) struct SimulateArgs {
     #[arg(long, value_name = "FILE")]
     flash: Option<PathBuf>,
 
-    /// Start without a rig, as a new board does: `sinew board upload rig` brings one.
+    /// Start without a rig, like a new board. `sinew board upload rig` then uploads one.
     #[arg(long)]
     blank: bool,
 

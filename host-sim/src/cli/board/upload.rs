@@ -51,7 +51,7 @@ enum What {
         #[arg(value_name = "FILE")]
         file: PathBuf,
 
-        /// Delete the show in this slot first, which frees it.
+        /// Slot whose show the board deletes first.
         #[arg(long, value_name = "SLOT")]
         replace: Option<u8>,
 
@@ -65,7 +65,7 @@ struct Common {
     #[command(flatten)]
     board: BoardPort,
 
-    /// Name of who approves the upload. The board stores it beside the item.
+    /// Name of the person who approves this upload. Stored on the board.
     #[arg(long, value_name = "NAME", default_value = "sinew board upload")]
     approved_by: String,
 }

@@ -36,11 +36,11 @@ pub(super) struct CheckArgs {
 /// The control loop that gains are judged for.
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub(super) struct LoopArgs {
-    /// Control rate, ticks a second.
+    /// Control rate, in Hz.
     #[arg(long, value_name = "HZ", default_value_t = 500.0, value_parser = rate_hz)]
     rate_hz: f64,
 
-    /// Ticks that a torque acts late.
+    /// Delay of torques, in ticks.
     #[arg(long, value_name = "TICKS", default_value_t = 1, value_parser = latency_ticks)]
     latency_ticks: usize,
 }

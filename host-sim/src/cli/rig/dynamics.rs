@@ -25,11 +25,11 @@ pub(super) struct DynamicsArgs {
     #[command(flatten)]
     told: ToldArgs,
 
-    /// Count the rotors' inertias, as their gears show them.
+    /// Include the rotors' inertias, as seen through their gears.
     #[arg(long)]
     rotor: bool,
 
-    /// Only print the names of the degrees of freedom, comma-separated.
+    /// Print only the names of the dofs, comma-separated.
     #[arg(long)]
     header: bool,
 }

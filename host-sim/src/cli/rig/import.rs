@@ -21,23 +21,23 @@ pub(super) struct ImportArgs {
     #[arg(value_name = "FILE")]
     file: PathBuf,
 
-    /// Leave out these joints, with what hangs on them: so a closed loop is cut open.
+    /// Leave out these joints, with everything beyond them, to cut a closed loop open.
     #[arg(long, value_name = "JOINT,..", value_delimiter = ',')]
     cut: Vec<String>,
 
-    /// Take a mechanism with closed loops as the tree that the file holds: the loops stay open.
+    /// Import a mechanism with closed loops as the tree in the file: the loops stay open.
     #[arg(long)]
     open_loops: bool,
 
-    /// Replace inertia that no body can have by a ball's, and inertia that is missing by a point's.
+    /// Replace impossible inertia by a ball's, and missing inertia by a point's.
     #[arg(long)]
     repair_inertia: bool,
 
-    /// Turn the axes of these joints round: what `sinew rig check` finds mirrored wrongly. Ranges stay.
+    /// Reverse the axes of these joints, which `sinew rig check` reports as mirrored wrongly. Ranges stay.
     #[arg(long, value_name = "JOINT,..", value_delimiter = ',')]
     turn_axis: Vec<String>,
 
-    /// Read the inertia of these bodies in g mm², as CAD programs print it: what `sinew rig check` finds.
+    /// Read the inertia of these bodies in g mm², as CAD programs print it. `sinew rig check` reports such bodies.
     #[arg(long, value_name = "BODY,..", value_delimiter = ',')]
     inertia_g_mm2: Vec<String>,
 

@@ -15,7 +15,7 @@ use sinew_host_util::command::note;
 use sinew_performance::rig::{Loaded, load};
 use sinew_rig::import::Options;
 
-/// Your own rig: import, check and see it, and compute its torques.
+/// Create, import, check and view your own rig, and compute its torques.
 ///
 /// RIG is a rig.toml, a URDF or an MJCF file.
 #[derive(Debug, Args)]
@@ -61,11 +61,11 @@ fn read_as(path: &Path, options: &Options) -> anyhow::Result<Loaded> {
 /// Where to write a file, and whether one that is there may be replaced.
 #[derive(Debug, Args)]
 struct Target {
-    /// Write into this file. Default: standard output.
+    /// File to write. Default: standard output.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
-    /// Replace a file that is there.
+    /// Replace an existing file.
     #[arg(long)]
     force: bool,
 }

@@ -6,15 +6,15 @@ use sinew_rig::{new, toml_file};
 
 use super::Target;
 
-/// Write a rig to start from: believable numbers, to be replaced by yours.
+/// Write a rig to start from, with plausible numbers that you replace by yours.
 #[derive(Debug, clap::Args)]
 #[group(id = "kind", required = true, multiple = false, args = ["arm", "face"])]
 pub(super) struct NewArgs {
-    /// A desk arm of so many revolute joints, 1 to 40, on bus servos.
+    /// Write a desk arm with N revolute joints, 1 to 40, on bus servos.
     #[arg(long, value_name = "JOINTS", value_parser = clap::value_parser!(u8).range(1..=40))]
     arm: Option<u8>,
 
-    /// A face without masses: jaw, eyes, lids, brows and neck.
+    /// Write a face without masses: jaw, eyes, lids, brows and neck.
     #[arg(long)]
     face: bool,
 

@@ -22,7 +22,7 @@ pub(super) struct ViewArgs {
     #[command(flatten)]
     told: ToldArgs,
 
-    /// The page.
+    /// Page to write.
     #[arg(short, long, value_name = "FILE.html", default_value = "rig.html")]
     output: PathBuf,
 

@@ -17,7 +17,7 @@ use line::LineArgs;
 #[cfg(unix)]
 use super::servos;
 
-/// Bus servos: find them, give them ids, set them up, calibrate, watch or simulate them.
+/// Find, set up, calibrate, watch and simulate bus servos.
 ///
 /// The servos are Dynamixels (protocol 2.0) or Feetechs. They are on a serial port (--port: a USB adapter such as U2D2
 /// or Feetech's board, or the link of `sinew servo simulate`), or on a controller board (--board). Without --protocol

@@ -7,14 +7,14 @@ use sinew_servo_tools::{address, identify as service};
 
 use super::LineArgs;
 
-/// Give a servo another id. Refused if a servo answers there already.
+/// Change a servo's id. Fails if a servo answers at the new id already.
 #[derive(Debug, clap::Args)]
 pub(super) struct SetIdArgs {
     /// Its id.
     #[arg(value_name = "OLD", value_parser = clap::value_parser!(u8).range(0..=252))]
     old: u8,
 
-    /// Its id from now on.
+    /// New id.
     #[arg(value_name = "NEW", value_parser = clap::value_parser!(u8).range(0..=252))]
     new: u8,
 }
@@ -26,14 +26,14 @@ pub(super) fn set_id(line: &LineArgs, args: &SetIdArgs) -> anyhow::Result<ExitCo
     Ok(ExitCode::SUCCESS)
 }
 
-/// Set the rate of a servo. All servos of a bus need the same one.
+/// Set the rate of a servo. All servos of a bus line need the same rate.
 #[derive(Debug, clap::Args)]
 pub(super) struct SetBaudArgs {
     /// The servo's id.
     #[arg(value_name = "ID", value_parser = clap::value_parser!(u8).range(0..=252))]
     id: u8,
 
-    /// Bits per second; what a model can do is said if it cannot do this.
+    /// Rate in bit/s. If the model does not support it, the error lists the rates that it supports.
     #[arg(value_name = "BAUD")]
     new: u32,
 }
@@ -46,9 +46,10 @@ pub(super) fn set_baud(line: &LineArgs, args: &SetBaudArgs) -> anyhow::Result<Ex
     Ok(ExitCode::SUCCESS)
 }
 
-/// See which servo it is: it moves by 6 degrees to either side and back, with its light on if it has one.
+/// Identify a servo: it moves by 6 degrees to either side and back, with its light on if it has one.
 ///
-/// Slowly, and with at most 30 % of its torque if it was limp; it is limp afterwards. Hold nothing fragile in its way.
+/// It moves slowly, and with at most 30 % of its torque if torque was off; then torque is off afterwards. Hold nothing
+/// fragile in its way.
 #[derive(Debug, clap::Args)]
 pub(super) struct IdentifyArgs {
     /// The servo's id.
@@ -63,7 +64,7 @@ pub(super) fn identify(line: &LineArgs, args: &IdentifyArgs) -> anyhow::Result<E
     Ok(ExitCode::SUCCESS)
 }
 
-/// Start a servo anew: torque goes off, hardware errors and what is not in EEPROM are forgotten.
+/// Reboot a servo: torque goes off; hardware errors, and values outside of EEPROM, are lost.
 #[derive(Debug, clap::Args)]
 pub(super) struct RebootArgs {
     /// The servo's id.

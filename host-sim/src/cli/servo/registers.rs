@@ -8,7 +8,7 @@ use sinew_servo_tools::registers::{self, Number, Reading};
 
 use super::{Format, LineArgs};
 
-/// Read registers by name, in degrees, A, V, %; the raw number beside. All of them without a name.
+/// Read registers by name: values in degrees, A, V, %, and raw numbers. Without a name, read all registers.
 #[derive(Debug, clap::Args)]
 pub(super) struct ReadArgs {
     /// The servo's id.
@@ -57,10 +57,10 @@ fn words(readings: &[Reading]) -> String {
     format!("{table}\n")
 }
 
-/// Write a register by name, and look what the servo has then.
+/// Write a register by name, and read it back.
 ///
-/// Refused: a number out of the register's range, a register that can only be read, and EEPROM while torque is on. The
-/// EEPROM of a Feetech is opened for the write, and shut again.
+/// Fails for a number out of the register's range, for a register that is read-only, and for EEPROM while torque is on.
+/// The EEPROM of a Feetech is unlocked for the write, then locked again.
 #[derive(Debug, clap::Args)]
 pub(super) struct WriteArgs {
     /// The servo's id.
@@ -75,7 +75,7 @@ pub(super) struct WriteArgs {
     #[arg(value_name = "VALUE", allow_negative_numbers = true)]
     value: String,
 
-    /// VALUE is the raw number.
+    /// Take VALUE as the raw number.
     #[arg(long)]
     raw: bool,
 }

@@ -14,7 +14,7 @@ use super::line::PortClient;
 use super::{Format, LineArgs};
 use crate::cli::rig::read;
 
-/// The rig, and what its servos are to control.
+/// The rig, and the quantity that its servos control.
 #[derive(Debug, clap::Args)]
 pub(super) struct RigArgs {
     /// The rig: rig.toml, URDF or MJCF.
@@ -28,7 +28,7 @@ pub(super) struct RigArgs {
 
 #[derive(Debug, clap::Args)]
 struct ModeArgs {
-    /// Quantity that the servos are to control.
+    /// Quantity that the servos control.
     #[arg(long, value_enum, default_value_t = ModeArg::Position)]
     mode: ModeArg,
 }
@@ -94,8 +94,8 @@ pub(super) fn find_rate(
     silent.map_or(Ok(()), Err)
 }
 
-/// Compare the servos' settings with what the rig file and their models ask: mode, return delay, status level, limits,
-/// shutdown, gains.
+/// Compare the servos' settings with those that the rig file and their models require: mode, return delay, status
+/// level, limits, shutdown, gains.
 ///
 /// Exit code 1 if anything differs, 2 if a servo could not be compared.
 #[derive(Debug, clap::Args)]
@@ -206,7 +206,7 @@ fn row(name: &str, id: u8, difference: &Difference) -> [String; 6] {
     ]
 }
 
-/// Write the settings that `diff` names, and compare again.
+/// Write the settings in which `diff` finds a difference, and compare again.
 ///
 /// EEPROM is written only while torque is off: a servo whose torque is on is skipped, unless --torque-off is given.
 #[derive(Debug, clap::Args)]
@@ -217,7 +217,7 @@ pub(super) struct ApplyArgs {
     #[command(flatten)]
     mode: ModeArgs,
 
-    /// Switch torque off where EEPROM is to be written, and leave it off. What the servo holds may fall.
+    /// Switch torque off before EEPROM is written, and leave it off. A load that the servo holds may fall.
     #[arg(long)]
     torque_off: bool,
 }

@@ -92,7 +92,7 @@ fn json(found: &[Found]) -> anyhow::Result<String> {
     Ok(serde_json::to_string_pretty(&object)? + "\n")
 }
 
-/// Ask whether a servo is there, and what it is.
+/// Ask whether a servo answers at an id, and print its model.
 #[derive(Debug, clap::Args)]
 pub(super) struct PingArgs {
     /// Its id.

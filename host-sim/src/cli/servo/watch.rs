@@ -26,7 +26,7 @@ pub(super) struct WatchArgs {
     #[arg(value_name = "ID", value_parser = clap::value_parser!(u8).range(0..=252))]
     ids: Vec<u8>,
 
-    /// A rig whose servos are watched, by name.
+    /// Rig whose servos are watched, by name.
     #[arg(long, value_name = "RIG", conflicts_with = "ids")]
     rig: Option<PathBuf>,
 
