@@ -1,8 +1,7 @@
-//! Files of others: of many makers, recorded, damaged and hostile.
+//! Files of others: of many makers, recorded and hostile.
 
 mod attack;
 #[path = "../common/mod.rs"]
 mod common;
 mod foreign;
 mod mocap_data;
-mod readers;

@@ -1,14 +1,12 @@
 //! The link between a host and a controller: bytes, sessions, bad lines.
 
 mod common;
-mod corpus;
 mod decoders;
 mod frames;
 mod hostile;
 mod line;
 mod live;
 mod page;
-mod replay;
 mod sender;
 mod telemetry;
 mod window;

@@ -1,4 +1,4 @@
-//! The corpus through the fuzz targets of `../../fuzz`.
+//! The corpus through the fuzz targets of `tests/fuzz`.
 
 use std::collections::BTreeSet;
 

@@ -1,13 +1,13 @@
-//! Bytes that are or were interesting, `corpus/*.hex`, one input of a fuzz target in a line.
+//! Bytes that are or were interesting, `tests/fuzz/corpus/firmware/*.hex`, one input of a fuzz target in a line.
 
 /// Those of `decoders::settings`.
 pub(crate) fn settings() -> impl Iterator<Item = Vec<u8>> {
-    inputs(include_str!("corpus/settings.hex"))
+    inputs(include_str!("../../../../tests/fuzz/corpus/firmware/settings.hex"))
 }
 
 /// Those of `decoders::node`.
 pub(crate) fn node() -> impl Iterator<Item = Vec<u8>> {
-    inputs(include_str!("corpus/node.hex"))
+    inputs(include_str!("../../../../tests/fuzz/corpus/firmware/node.hex"))
 }
 
 fn inputs(text: &'static str) -> impl Iterator<Item = Vec<u8>> {

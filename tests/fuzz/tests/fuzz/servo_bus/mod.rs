@@ -1,18 +1,21 @@
 //! A target for each decoder: it takes the corpus, then what bolero thinks of.
 
-#[path = "../../tests/servo_bus/corpus/mod.rs"]
-mod corpus;
-#[path = "../../tests/servo_bus/decoders/mod.rs"]
 mod decoders;
-#[path = "../../tests/servo_bus/reference/mod.rs"]
+#[path = "../../../../../crates/servo-bus/tests/servo_bus/reference/mod.rs"]
 mod reference;
+mod replay;
+
+/// Returns streams of bytes.
+fn streams() -> Vec<Vec<u8>> {
+    sinew_fuzz::inputs("servo_bus/streams.hex")
+}
 
 macro_rules! targets {
     ($($name:ident),*) => {
         $(
             #[test]
             fn $name() {
-                corpus::streams().iter().for_each(|bytes| decoders::$name(bytes));
+                streams().iter().for_each(|bytes| decoders::$name(bytes));
                 #[cfg(feature = "bolero")]
                 bolero::check!().for_each(|bytes: &[u8]| decoders::$name(bytes));
             }

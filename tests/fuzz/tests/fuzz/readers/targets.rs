@@ -58,8 +58,8 @@ pub(crate) const TARGETS: [Target; 19] = [
 ];
 
 /// A skeleton of two bones, for motions of fuzz.
-const ASF: &[u8] = include_bytes!("corpus/asf/two_bones.asf");
-const AMC: &[u8] = include_bytes!("corpus/amc/two_bones.amc");
+const ASF: &[u8] = include_bytes!("../../../corpus/readers/asf/two_bones.asf");
+const AMC: &[u8] = include_bytes!("../../../corpus/readers/amc/two_bones.amc");
 
 fn text(bytes: &[u8]) -> Option<&str> {
     core::str::from_utf8(bytes).ok()

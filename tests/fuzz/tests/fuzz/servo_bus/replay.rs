@@ -1,7 +1,6 @@
 //! The corpus, through all decoders.
 
-use crate::corpus::streams;
-use crate::decoders;
+use super::{decoders, streams};
 
 fn decode(bytes: &[u8]) {
     for (_, decode) in decoders::DECODERS {

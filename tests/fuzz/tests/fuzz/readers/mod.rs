@@ -1,10 +1,9 @@
 //! Every reader on its corpus and on damaged copies of it: refused in words or read, and nothing else. The same targets
-//! are for a fuzzer in `host-sim/fuzz`.
+//! take inputs of bolero.
 
 mod targets;
 
 use std::fs;
-use std::path::Path;
 
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng as _;
@@ -17,8 +16,7 @@ const DAMAGED: u64 = 60;
 
 /// The files of a target, and what they are called.
 fn corpus(name: &str) -> Vec<(String, Vec<u8>)> {
-    let folder =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files/readers/corpus").join(name);
+    let folder = sinew_fuzz::corpus("readers").join(name);
     let mut files: Vec<_> = fs::read_dir(&folder)
         .unwrap_or_else(|_| panic!("{}", folder.display()))
         .collect::<Result<_, _>>()
@@ -108,4 +106,21 @@ fn every_reader_takes_its_corpus_and_damaged_copies_of_it() {
             }
         }
     }
+}
+
+/// The target that `SINEW_TARGET` names; without a name all of them, by the first byte.
+#[cfg(feature = "bolero")]
+#[test]
+fn readers() {
+    let wanted = std::env::var("SINEW_TARGET").ok();
+    bolero::check!().for_each(|bytes: &[u8]| {
+        let Some((first, rest)) = bytes.split_first() else { return };
+        match &wanted {
+            Some(wanted) => {
+                let named = targets::TARGETS.iter().find(|(name, _)| name == wanted);
+                named.expect("SINEW_TARGET names a target").1(bytes);
+            }
+            None => targets::TARGETS[usize::from(*first) % targets::TARGETS.len()].1(rest),
+        }
+    });
 }

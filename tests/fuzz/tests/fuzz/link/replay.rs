@@ -1,13 +1,12 @@
-//! The corpus through the fuzz targets of `../fuzz`.
+//! The corpus covers all kinds of messages.
 
 use std::collections::BTreeSet;
 
+use sinew_fuzz::inputs;
 use sinew_link::message::{ToController, ToHost};
 use sinew_link::{Decoder, Message};
 
-use crate::common;
-use crate::corpus;
-use crate::decoders;
+use super::{common, decoders};
 
 /// What kinds of messages are in bytes.
 fn kinds<M: Message + std::fmt::Debug>(bytes: &[u8], name: fn(&M) -> String) -> BTreeSet<String> {
@@ -37,7 +36,7 @@ fn of_host(message: &ToHost) -> String {
 #[test]
 fn streams() {
     let (mut said, mut answered) = (BTreeSet::new(), BTreeSet::new());
-    for bytes in corpus::inputs("stream") {
+    for bytes in inputs("link/stream.hex") {
         decoders::stream(&bytes);
         said.extend(kinds(&bytes, of_controller));
         answered.extend(kinds(&bytes, of_host));
@@ -49,14 +48,14 @@ fn streams() {
 
 #[test]
 fn bodies() {
-    for bytes in corpus::inputs("body") {
+    for bytes in inputs("link/body.hex") {
         decoders::body(&bytes);
     }
 }
 
 #[test]
 fn controllers() {
-    for bytes in corpus::inputs("controller") {
+    for bytes in inputs("link/controller.hex") {
         decoders::controller(&bytes);
     }
 }

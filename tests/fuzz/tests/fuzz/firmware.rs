@@ -1,0 +1,54 @@
+//! A target for what a host may write, and one for all that it may say, in every state: each takes the corpus, then
+//! what bolero thinks of.
+
+#![expect(dead_code, reason = "tests of the node use the rest")]
+
+#[path = "../../../../firmware/tests/firmware/node/decoders.rs"]
+mod decoders;
+#[path = "../../../../firmware/tests/firmware/node/emulated.rs"]
+mod emulated;
+#[path = "../../../../crates/storage/tests/storage/common/flash.rs"]
+mod flash;
+#[path = "../../../../firmware/tests/firmware/node/hardware.rs"]
+mod hardware;
+#[path = "../../../../firmware/tests/firmware/node/host.rs"]
+mod host;
+#[path = "../../../../firmware/tests/firmware/node/hostile.rs"]
+mod hostile;
+#[path = "../../../../firmware/tests/firmware/node/ideal.rs"]
+mod ideal;
+#[path = "../../../../firmware/tests/firmware/node/inputs.rs"]
+mod inputs;
+#[path = "../../../../firmware/tests/firmware/node/line.rs"]
+mod line;
+#[path = "../../../../firmware/tests/firmware/controller/stand.rs"]
+mod stand;
+#[path = "../../../../firmware/tests/firmware/node/stored.rs"]
+mod stored;
+#[path = "../../../../firmware/tests/firmware/controller/swing.rs"]
+mod swing;
+#[path = "../../../../firmware/tests/firmware/node/told.rs"]
+mod told;
+#[path = "../../../../firmware/tests/firmware/node/world.rs"]
+mod world;
+
+#[test]
+fn settings() {
+    inputs::settings().for_each(|bytes| {
+        decoders::settings(&bytes);
+    });
+    bolero::check!().for_each(|bytes: &[u8]| {
+        decoders::settings(bytes);
+    });
+}
+
+/// A run takes seconds of the rig's time: give it minutes.
+#[test]
+fn node() {
+    inputs::node().for_each(|bytes| {
+        decoders::node(&bytes);
+    });
+    bolero::check!().for_each(|bytes: &[u8]| {
+        decoders::node(bytes);
+    });
+}

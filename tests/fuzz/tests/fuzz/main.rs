@@ -1,0 +1,7 @@
+//! Fuzz targets: each takes its corpus, then inputs that bolero finds.
+
+#[cfg(feature = "bolero")]
+mod firmware;
+mod link;
+mod readers;
+mod servo_bus;
