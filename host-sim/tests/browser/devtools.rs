@@ -1,13 +1,14 @@
 //! A browser without a screen, by the protocol of its developer tools: commands and events as JSON, on one WebSocket.
 //! Crates that have the whole protocol are generated code that compiles for a minute; a dozen methods are used here.
 
-use std::io::{self, BufRead as _, BufReader};
+use std::io::{self, BufRead as _, BufReader, Read as _, Write as _};
 use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use serde_json::{Value, json};
+use tungstenite::protocol::Role;
 use tungstenite::{Message, WebSocket};
 
 /// The longest that a command may take: then the test fails, and does not hang.
@@ -54,7 +55,7 @@ impl Browser {
         let address = url.split('/').nth(2).expect("ws://HOST:PORT/PATH");
         let stream = TcpStream::connect(address).unwrap();
         stream.set_read_timeout(Some(PATIENCE)).unwrap();
-        let (socket, _) = tungstenite::client(&url, stream).unwrap();
+        let socket = upgrade(stream, &url);
         let mut browser =
             Self { process, socket, session: String::new(), commands: 0, events: Vec::new() };
         let tab = browser.call("Target.createTarget", &json!({ "url": "about:blank" }));
@@ -97,6 +98,27 @@ impl Browser {
             }
         }
     }
+}
+
+/// Makes a WebSocket of a connection. The browser's proof that it knows the protocol is not checked: a feature of
+/// tungstenite that would is ten crates.
+fn upgrade(mut stream: TcpStream, url: &str) -> WebSocket<TcpStream> {
+    let (host, path) =
+        url.trim_start_matches("ws://").split_once('/').expect("ws://HOST:PORT/PATH");
+    let request = format!(
+        "GET /{path} HTTP/1.1\r\nHost: {host}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
+         Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+    );
+    stream.write_all(request.as_bytes()).unwrap();
+    // To the empty line and no byte further: then come messages.
+    let mut answer = Vec::new();
+    while !answer.ends_with(b"\r\n\r\n") {
+        let mut byte = [0];
+        stream.read_exact(&mut byte).expect("the browser answers");
+        answer.extend(byte);
+    }
+    assert!(answer.starts_with(b"HTTP/1.1 101 "), "{}", String::from_utf8_lossy(&answer));
+    WebSocket::from_raw_socket(stream, Role::Client, None)
 }
 
 impl Drop for Browser {

@@ -1,4 +1,4 @@
-//! How fast clips are evaluated: `cargo bench --bench evaluation`.
+//! How fast clips are evaluated: `cargo bench -p sinew-host-bench --bench evaluation`.
 //!
 //! Three tables: controlled steps per second on one core for every plant, and the share of the plant in it; how
 //! the evaluation of all built-in clips gains from a second thread; time and memory of runs of 10³ to 10⁶
