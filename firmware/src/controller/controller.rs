@@ -241,7 +241,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         self.sources.load(bytes, (self.rig, self.rig_crc), self.dt_s, plays)
     }
 
-    /// Another show, which [`open_show`](super::open_show) has opened below the loop, or none. If one plays, it ends,
+    /// Another show, which [`open_show`](super::open_show) has opened in the background, or none. If one plays, it ends,
     /// and the rig holds. O(1).
     pub fn put_show(&mut self, show: Option<ShowFrames<'a, COORDS>>) {
         self.sources.put(show, plays_show(self.state, self.permission.source));

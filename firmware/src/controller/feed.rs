@@ -244,7 +244,7 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
     }
 }
 
-/// Opens a show of a rig where it lies, and checks all of it, for ticks of `dt_s`. It is for below the loop: O(size).
+/// Opens a show of a rig where it lies, and checks all of it, for ticks of `dt_s`. For the background task: O(size).
 ///
 /// # Errors
 /// [`ShowError`] if it cannot be read, or is of another rig.

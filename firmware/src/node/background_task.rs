@@ -87,7 +87,7 @@ impl<
     const COORDS: usize,
 > BackgroundTask<'a, F, BODIES, DOFS, SERVOS, COORDS>
 {
-    /// A desk before any host. `first_session`: another number at each start.
+    /// Creates a task before any host has called. `first_session`: another number at each start.
     pub fn new(
         store: Store<F>,
         mut setup: Setup<'a, BODIES, DOFS, SERVOS>,

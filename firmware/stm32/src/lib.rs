@@ -7,12 +7,12 @@
 //! both read the clock: TIM5, 32 bits
 //! ```
 //! A board gives clocks, pins and DMA channels ([`Hardware`]), and calls [`run`]; a NUCLEO gives them as [`Nucleo`].
-//! There is no executor: each half of a node waits for nothing but its own step, so an interrupt and a loop are all
-//! that it needs.
+//! There is no executor: neither control loop nor background task waits for anything, so an interrupt and a loop are all
+//! that a node needs.
 //!
 //! - [`clock`]: microseconds that no erase of flash loses;
 //! - [`Serial`]: the line to the host; [`ServoLine`]: the half-duplex line of the servos;
-//! - [`Chip`]: flash; [`dog`]: the hardware watchdog; [`reset`]: why the chip starts, and the record of a panic;
+//! - [`Chip`]: flash; [`watchdog`]: the hardware watchdog; [`reset`]: why the chip starts, and the record of a panic;
 //! - [`stop`]: what a panic does to servos.
 //!
 //! For a host this crate is empty.

@@ -1,4 +1,5 @@
-//! The node of all these boards: read back at the start, then the loop in its interrupt and the desk in what it leaves.
+//! The node of all these boards: it reads back flash, then runs the control loop in its interrupt and the background
+//! task in `main`.
 
 use core::cell::RefCell;
 use core::ops::Range;
@@ -87,7 +88,7 @@ pub struct Hardware {
     pub core_hz: u32,
 }
 
-/// A value that both halves reach.
+/// A value that interrupt and background share.
 struct Locked<T>(Mutex<RefCell<T>>);
 
 impl<T> Shared<T> for Locked<T> {
@@ -421,7 +422,7 @@ fn start_timer() {
     pac::TIM3.cr1().modify(|w| w.set_cen(true));
 }
 
-/// What is below the loop.
+/// The background task with what it needs.
 struct BackgroundContext {
     store: Store<Chip>,
     setup: Setup<'static, BODIES, DOFS, SERVOS>,
@@ -431,7 +432,7 @@ struct BackgroundContext {
     light: Light,
 }
 
-/// The desk and the light, until the next reset.
+/// Runs the background task and the light, until the next reset.
 fn below(
     BackgroundContext { store, setup, first_session, mail, link, mut light }: BackgroundContext,
 ) -> ! {

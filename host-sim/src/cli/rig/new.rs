@@ -10,7 +10,7 @@ use super::Target;
 #[derive(Debug, clap::Args)]
 #[group(id = "kind", required = true, multiple = false, args = ["arm", "face"])]
 pub(super) struct NewArgs {
-    /// Write a desk arm with N revolute joints, 1 to 40, on bus servos.
+    /// Write a desk arm with this many revolute joints, 1 to 40, on bus servos.
     #[arg(long, value_name = "JOINTS", value_parser = clap::value_parser!(u8).range(1..=40))]
     arm: Option<u8>,
 
