@@ -7,8 +7,8 @@
 //! both read the clock: TIM5, 32 bits
 //! ```
 //! A board gives clocks, pins and DMA channels ([`Hardware`]), and calls [`run`]; a NUCLEO gives them as [`Nucleo`].
-//! There is no executor: neither control loop nor background task waits for anything, so an interrupt and a loop are all
-//! that a node needs.
+//! There is no executor: neither control loop nor background task waits for anything, so an interrupt and a loop are
+//! all that a node needs.
 //!
 //! - [`clock`]: microseconds that no erase of flash loses;
 //! - [`Serial`]: the line to the host; [`ServoLine`]: the half-duplex line of the servos;
