@@ -44,8 +44,8 @@ Commands:
   parity    Runs the built-in evaluation on every machine there is, emulated ones too, and names the first number that
             has other bits
   node      Runs a whole node in QEMU, from a blank board to a performance and an emergency stop, and compares all bytes
-            of its bus and its line, and all that it commands, with the same in process; then `sinew play --qemu` with
-            `sinew play`: an arm, and with SINEW_DATA two robots
+            of its bus and its line, and all that it commands, with the same in process; then it performs
+            shows, compared with the same in process: on an arm, and with SINEW_DATA on two robots
   emulate   Builds the emulator of the NUCLEO-F446RE, which needs a newer Rust by rustup, and tries its peripherals with
             an image, the NUCLEO's own one, and `sinew play --target nucleo`; says `ignored` where there is none
   limits    Compares the core with its formulas in f64 on 10,000 random rigs, each number by the limit that follows from

@@ -16,8 +16,7 @@ use sinew_host_util::command::{note, print};
 use sinew_host_util::output;
 use sinew_mocap::Kind;
 use sinew_performance::play::{
-    Director, Drive, Emulator, Ended, Memory, Parts, Recorder, ServoChoice, Stand, Tally, Twin,
-    put_servos,
+    Director, Drive, Ended, Memory, Parts, Recorder, ServoChoice, Stand, Tally, put_servos,
 };
 use sinew_performance::rig::Loaded;
 use sinew_performance::{Baker, Marks, rig_hash};
@@ -69,13 +68,6 @@ pub(super) struct Args {
 
     #[command(flatten)]
     driven: DrivenArgs,
-
-    /// Let the whole node of boards (link, storage, loop) drive the servos, as an Arm image in QEMU. It gets rig,
-    /// settings, show and commands over its link; what it says is compared with the controller in this program.
-    ///
-    /// `cargo xtask node` builds the image; `SINEW_NODE_IMAGE` names another one. It is slower than real time.
-    #[arg(long, hide = true)]
-    qemu: bool,
 
     /// Where the show plays: `sim`, simulated servos under the controller in this program; `nucleo`, the
     /// NUCLEO-F446RE's image on an emulated chip with simulated servos, several times slower than real time; or the
@@ -154,7 +146,6 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     ];
     output::distinct(&written, &read)?;
     // What is missing is said before anything is fitted.
-    let emulator = args.qemu.then(Emulator::start).transpose()?;
     let emulated = (args.target == Target::Nucleo).then(emulated::found).transpose()?;
     let mut rig = args.on_rig.rig(&args.rig, ON_STAND)?;
     let (bare, _) = rig_hash(&rig.description, &rig.mechanism);
@@ -178,9 +169,6 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
     let plant = parts.plant(&rig.description, &rig.mechanism).with_context(of_rig)?;
     let mut stand = Stand::new(&parts, Some(&bytes), &mut memories, plant).with_context(of_rig)?;
-    if let Some(emulator) = emulator {
-        stand = stand.with_twin(Twin::new(emulator, &parts, &bytes)?);
-    }
     let mut recorder = args.recorder(&rig, &parts)?;
     let is_real_time = args.pace.real_time || !args.pace.fast && io::stdout().is_terminal();
     let stop = Stop::new()?;
@@ -195,7 +183,6 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     let start = Instant::now();
     let ended = loop {
         let ended = director.tick(&mut stand, stop.times() > 0 || is_over(&tally));
-        stand.check_twin()?;
         tally.note(&stand);
         if let Some(recorder) = &mut recorder {
             recorder.note(&stand).with_context(of_record)?;
@@ -213,11 +200,6 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     if let Some(recorder) = recorder {
         recorder.end().with_context(of_record)?;
         note(format_args!("wrote {}", of_record()));
-    }
-    if let Some([ticks, packets]) = stand.check_twin()? {
-        note(format_args!(
-            "QEMU: {packets} packets in {ticks} ticks of the image, each the same as in process"
-        ));
     }
     print(&tally.table(&stand, director.raised()))?;
     Ok(match ended {

@@ -3,4 +3,5 @@
 mod limits;
 mod motion;
 mod parity;
+mod play_in_qemu;
 mod tables;

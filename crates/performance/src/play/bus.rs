@@ -8,7 +8,7 @@ use sinew_servo_bus::{
     Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
 };
 
-use super::twin::{Twin, Twinned};
+use super::peer::{PeerBus, PeerController};
 
 /// The buses of a rig, for its controller.
 ///
@@ -26,11 +26,11 @@ impl Buses {
         Self { lines, places, compares: None }
     }
 
-    /// The same, with the packets of a twin.
-    pub(super) fn with_twin(mut self, twin: &Rc<RefCell<Twin>>) -> Self {
-        let twinned = |(line, own)| Twinned::new(own, Rc::clone(twin), line);
+    /// Sends the packets of a peer in place of their own.
+    pub(super) fn with_peer(mut self, peer: &Rc<RefCell<dyn PeerController>>) -> Self {
+        let of_peer = |(line, own)| PeerBus::new(own, Rc::clone(peer), line);
         let lines = self.lines.into_iter().enumerate();
-        self.lines = lines.map(|line| Box::new(twinned(line)) as _).collect();
+        self.lines = lines.map(|line| Box::new(of_peer(line)) as _).collect();
         self
     }
 

@@ -3,7 +3,7 @@
 //! ```text
 //! rig ─ put_servos ─> Parts (compact form, buses, rate, settings)
 //!                       └─> Stand (controller, buses, one bench), a tick a call ─> Tally, Recorder
-//! stop ─> Director (arm, play, stop) ─────┘       └─ Twin (the node in QEMU), if there is one
+//! stop ─> Director (arm, play, stop) ─────┘       └─ PeerController (a board elsewhere), if there is one
 //! ```
 //! All is in simulated time: the same show gives the same bytes on every run. [`SimulatedBoard`] is a whole board in
 //! place of the controller, for those who talk to boards.
@@ -14,6 +14,7 @@ mod director;
 mod exchange;
 mod line;
 mod parts;
+mod peer;
 mod pulses;
 mod record;
 mod recording;
@@ -22,12 +23,12 @@ mod servo_part;
 mod servos;
 mod stand;
 mod tally;
-mod twin;
 
 pub use board::{BoardError, Chip, SimulatedBoard};
 pub use director::{Director, Ended};
 pub use line::Line;
 pub use parts::{Options, Parts, PartsError};
+pub use peer::PeerController;
 pub use record::{Recorder, SCHEMA};
 pub use recording::{JointRows, Part, Recording, RecordingError, ServoRows};
 pub use schedule::RateError;
@@ -35,7 +36,6 @@ pub use servo_part::{Drive, ServoPart};
 pub use servos::{PutError, ServoChoice, put_servos};
 pub use stand::{Memory, Stand, StandError, Wires};
 pub use tally::{Errors, Tally};
-pub use twin::{Emulator, Twin, TwinError};
 
 use sinew_firmware::controller::MotionController;
 use sinew_rig::board::BoardRig;
@@ -47,8 +47,10 @@ const SERVOS: usize = 64;
 /// A ball joint has four coordinates for three dofs.
 const COORDINATES: usize = 192;
 
-type Board = BoardRig<BODIES, DOFS, SERVOS>;
-type Loop<'a> = MotionController<'a, BODIES, DOFS, SERVOS, COORDINATES>;
+/// The compact form of a simulated rig.
+pub type CompactRig = BoardRig<BODIES, DOFS, SERVOS>;
+/// The controller of a simulated rig.
+pub type RigController<'a> = MotionController<'a, BODIES, DOFS, SERVOS, COORDINATES>;
 
 #[cfg(test)]
 mod tests;

@@ -2,6 +2,7 @@
 
 use sinew_core::tracker::{MethodName, Settings as TrackerSettings, Timing as LoopTiming};
 use sinew_firmware::controller::{ControllerSettings, ServoSetup, estimated_us};
+use sinew_firmware::node::NodeSettings;
 use sinew_rig::board::BakeError;
 use sinew_rig::description::Supply as RigSupply;
 use sinew_rig::mechanism::JointModel;
@@ -12,7 +13,7 @@ use sinew_servo_sim::rig::{RigServosError, servos};
 use sinew_servo_sim::supply::Supply;
 use thiserror::Error;
 
-use super::Board;
+use super::CompactRig;
 use super::line::{Line, lines};
 use super::schedule::{Load, Needs, RateError, choose};
 use super::servo_part::{Drive, ServoPart, drives, setup, single};
@@ -128,7 +129,7 @@ const BOARD_HZ: u32 = 180_000_000;
 
 /// All that a stand is made of.
 pub struct Parts {
-    pub(super) board: Board,
+    pub(super) board: CompactRig,
     pub(super) settings: ControllerSettings,
     pub(super) setups: Vec<ServoSetup>,
     /// Of the line whose readings come latest.
@@ -167,7 +168,7 @@ impl Parts {
         if mechanism.bodies.iter().any(|link| link.joint == JointModel::Free) {
             return Err(PartsError::Travels);
         }
-        let board = Board::bake(rig, mechanism)?;
+        let board = CompactRig::bake(rig, mechanism)?;
         let (rig_crc, _) = rig_hash(rig, mechanism);
         let own = servos(rig, mechanism)?;
         let mut lines = lines(&own, options)?;
@@ -233,6 +234,16 @@ impl Parts {
     /// Takes shows of another rig, too: of the same one before servos were put on it.
     pub fn take_shows_of(&mut self, rig_crc: u32) {
         self.settings.rig_crc = rig_crc;
+    }
+
+    /// Returns the rig in its compact form.
+    pub fn compact(&self) -> &CompactRig {
+        &self.board
+    }
+
+    /// Returns the settings of a node that drives this rig.
+    pub fn node_settings(&self) -> NodeSettings {
+        NodeSettings::new(self.settings.clone(), self.schedule)
     }
 
     /// The method of the tracker.
@@ -303,7 +314,7 @@ fn tracker(schedule: &Schedule) -> TrackerSettings {
     }
 }
 
-fn by_dof(board: &Board, servos: &[ServoPart]) -> (Vec<Option<Drive>>, Vec<Option<usize>>) {
+fn by_dof(board: &CompactRig, servos: &[ServoPart]) -> (Vec<Option<Drive>>, Vec<Option<usize>>) {
     let count = board.dofs().len();
     let (mut drives, mut first) = (vec![None; count], vec![None; count]);
     for drive in board.drives() {

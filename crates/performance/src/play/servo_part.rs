@@ -10,7 +10,7 @@ use sinew_servo_bus::dynamixel;
 use sinew_servo_sim::registers::RegisterTable;
 use sinew_servo_sim::rig::RigServo;
 
-use super::Board;
+use super::CompactRig;
 use super::parts::PartsError;
 
 /// Part of the stall current that is drawn at most: guess, room for what a supply sags.
@@ -90,7 +90,7 @@ pub(super) fn encoder(part: &ServoPart) -> Encoder {
 
 /// How each servo is driven: by current if it can, unless one that shares its drive cannot; by pulses if it takes them.
 pub(super) fn drives(
-    board: &Board,
+    board: &CompactRig,
     servos: &[RigServo],
     asked: Option<Drive>,
 ) -> Result<Vec<Drive>, PartsError> {

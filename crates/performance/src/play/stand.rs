@@ -22,9 +22,9 @@ use thiserror::Error;
 use super::bus::Buses;
 use super::exchange::exchange;
 use super::parts::{Parts, PartsError};
+use super::peer::PeerController;
 use super::servo_part::{Drive, ServoPart, single};
-use super::twin::{Twin, TwinError};
-use super::{DOFS, Loop, SERVOS, pulses};
+use super::{DOFS, RigController, SERVOS, pulses};
 
 /// Registers of one servo.
 pub type Memory = [u8; MEMORY_LEN];
@@ -70,7 +70,7 @@ pub struct Wires {
 pub struct Stand<'a, P> {
     /// What it is made of.
     pub parts: &'a Parts,
-    controller: Box<Loop<'a>>,
+    controller: Box<RigController<'a>>,
     buses: Buses,
     lines: Vec<Line<Branch<'a, P>>>,
     wires: Wires,
@@ -78,8 +78,7 @@ pub struct Stand<'a, P> {
     /// Ticks that were not whole: the watchdog was not fed.
     incomplete: u64,
     last: Option<Incomplete>,
-    /// Another controller, whose packets the servos get.
-    twin: Option<Rc<RefCell<Twin>>>,
+    peer: Option<Rc<RefCell<dyn PeerController>>>,
 }
 
 impl<'a, P: Plant> Stand<'a, P> {
@@ -96,8 +95,13 @@ impl<'a, P: Plant> Stand<'a, P> {
         plant: P,
     ) -> Result<Self, StandError> {
         let start = Start::default();
-        let controller =
-            Loop::new(&parts.board, &parts.settings, &parts.setups, &parts.schedule, start)?;
+        let controller = RigController::new(
+            &parts.board,
+            &parts.settings,
+            &parts.setups,
+            &parts.schedule,
+            start,
+        )?;
         let mut controller = Box::new(controller);
         controller.load_show(show)?;
         Ok(Self {
@@ -109,28 +113,16 @@ impl<'a, P: Plant> Stand<'a, P> {
             ticks: 0,
             incomplete: 0,
             last: None,
-            twin: None,
+            peer: None,
         })
     }
 
-    /// The same, with the packets of a twin, which must be those of the controller here.
+    /// Gives the servos the packets of a peer, which plays beside the controller here.
     #[must_use]
-    pub fn with_twin(mut self, twin: Twin) -> Self {
-        let twin = Rc::new(RefCell::new(twin));
-        self.buses = self.buses.with_twin(&twin);
-        self.twin = Some(twin);
+    pub fn with_peer(mut self, peer: Rc<RefCell<dyn PeerController>>) -> Self {
+        self.buses = self.buses.with_peer(&peer);
+        self.peer = Some(peer);
         self
-    }
-
-    /// Ticks and packets of the twin until now, if there is one.
-    ///
-    /// # Errors
-    /// What it said that was different, or why it is gone.
-    pub fn check_twin(&self) -> Result<Option<[u64; 2]>, TwinError> {
-        let Some(twin) = &self.twin else { return Ok(None) };
-        let twin = twin.borrow();
-        twin.check()?;
-        Ok(Some(twin.compared()))
     }
 
     /// A tick; the host's link is heard in each.
@@ -144,8 +136,8 @@ impl<'a, P: Plant> Stand<'a, P> {
             jog: None,
         };
         self.ticks += 1;
-        if let Some(twin) = &self.twin {
-            twin.borrow_mut().begin(command);
+        if let Some(peer) = &self.peer {
+            peer.borrow_mut().begin(command);
         }
         let Self { controller, buses, lines, wires, .. } = self;
         let begun = controller.begin(&inputs, &mut (), buses);
@@ -164,8 +156,8 @@ impl<'a, P: Plant> Stand<'a, P> {
             .unwrap_or(u32::MAX)
             .saturating_add(self.parts.settings.compute_us);
         let ended = controller.end(begun, exchanged, took_us);
-        if let Some(twin) = &self.twin {
-            twin.borrow_mut().end(took_us, ended.is_ok(), controller);
+        if let Some(peer) = &self.peer {
+            peer.borrow_mut().end(took_us, ended.is_ok(), controller);
         }
         match ended {
             Ok(_) => {}

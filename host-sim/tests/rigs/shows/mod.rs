@@ -3,7 +3,6 @@
 mod emulated;
 mod face;
 mod humanoid;
-mod in_qemu;
 mod independent;
 mod loops;
 #[cfg(unix)]

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use std::ops::Range;
 
 use sinew_firmware::node::{
-    BackgroundTask, ControlLoop, Found, Mail, NodeSettings, Port, Safety, Setup, Shared, start,
+    BackgroundTask, ControlLoop, Found, Mail, Port, Safety, Setup, Shared, start,
 };
 use sinew_firmware::supervisor::FaultSet;
 use sinew_firmware::watchdog::Complete;
@@ -44,7 +44,7 @@ pub(super) struct Node {
 impl Node {
     /// Starts with what is in flash.
     pub(super) fn start(parts: &Parts, chip: &Chip, about: About) -> Result<Self, BoardError> {
-        let defaults = NodeSettings::new(parts.settings.clone(), parts.schedule);
+        let defaults = parts.node_settings();
         let found = start::<_, BODIES, DOFS, SERVOS>(
             chip.clone(),
             TABLE,

@@ -26,13 +26,21 @@ impl Parts {
         let mut item = self.compact_rig()?;
         let len = item.len();
         item.resize(RIG_ROOM, 0);
-        let wiring = self.wiring().ok_or_else(|| format!("it has more than {LINES} buses"))?;
+        let wiring = self.wiring()?;
         let len = wiring.append(&mut item, len).ok_or("it has too many servos")?;
         item.truncate(len);
         Ok(item)
     }
 
-    fn wiring(&self) -> Option<Wiring<LINES, SERVOS>> {
+    /// Returns how the servos hang on a board, and how they are driven.
+    ///
+    /// # Errors
+    /// The rig has more lines than a board.
+    pub fn wiring(&self) -> Result<Wiring<LINES, SERVOS>, String> {
+        self.wired().ok_or_else(|| format!("it has more than {LINES} buses"))
+    }
+
+    fn wired(&self) -> Option<Wiring<LINES, SERVOS>> {
         let of_lines: Vec<OfLine> = self.lines.iter().map(|line| self.of_line(line)).collect();
         let mut wiring = Wiring {
             rate_hz: self.rate_hz,

@@ -8,7 +8,7 @@ use sinew_link::{Decoder, FRAME_MAX, Sender, encode};
 use sinew_qemu_node::message::{End, LINE_AT_ONCE, TakeError, ToHost, ToNode};
 
 use super::emulator::Emulator;
-use super::error::TwinError;
+use super::error::QemuError;
 
 /// Steps below the loop at a time. A step takes 64 bytes of the line.
 const STEPS: u32 = 8;
@@ -46,23 +46,23 @@ impl Node {
         }
     }
 
-    pub(super) fn put(&mut self, message: &ToNode<'_>) -> Result<(), TwinError> {
+    pub(super) fn put(&mut self, message: &ToNode<'_>) -> Result<(), QemuError> {
         self.end.put(message)
     }
 
-    pub(super) fn take(&mut self) -> Result<ToHost<'_>, TwinError> {
+    pub(super) fn take(&mut self) -> Result<ToHost<'_>, QemuError> {
         self.end.take().map_err(|why| match why {
             TakeError::Bytes(why) => why,
-            TakeError::Message => TwinError::Version,
+            TakeError::Message => QemuError::Version,
         })
     }
 
     /// Steps below the loop: it takes what waits on the line, and what it says is heard.
-    fn below(&mut self) -> Result<(), TwinError> {
+    fn below(&mut self) -> Result<(), QemuError> {
         let line: Vec<u8> = self.line.iter().copied().take(LINE_AT_ONCE).collect();
         self.put(&ToNode::Below { now_us: 0, steps: STEPS, line: &line })?;
         let ToHost::Stepped { taken, line, restarts } = self.take()? else {
-            return Err(TwinError::Version);
+            return Err(QemuError::Version);
         };
         let said = line.to_vec();
         self.line.drain(..taken);
@@ -86,7 +86,7 @@ impl Node {
     }
 
     /// Greets it, after each start.
-    pub(super) fn connect(&mut self) -> Result<Welcome, TwinError> {
+    pub(super) fn connect(&mut self) -> Result<Welcome, QemuError> {
         self.nonce += 1;
         (self.welcome, self.line) = (None, Vec::new());
         let hello = Hello { protocol: Version::CURRENT, nonce: self.nonce };
@@ -95,15 +95,15 @@ impl Node {
             self.below()?;
             if let Some(welcome) = self.welcome {
                 self.sender = Sender::new(welcome.session);
-                return welcome.verdict.map(|_| welcome).map_err(|_| TwinError::Version);
+                return welcome.verdict.map(|_| welcome).map_err(|_| QemuError::Version);
             }
         }
-        Err(TwinError::NoAnswer("a greeting"))
+        Err(QemuError::NoAnswer("a greeting"))
     }
 
     /// Sends a command, which is taken before the next tick.
-    pub(super) fn send(&mut self, command: Command) -> Result<(), TwinError> {
-        let busy = |_| TwinError::NoAnswer("the command before");
+    pub(super) fn send(&mut self, command: Command) -> Result<(), QemuError> {
+        let busy = |_| QemuError::NoAnswer("the command before");
         // The line loses nothing: nothing is sent again.
         let command = self.sender.send(command, 0).map_err(busy)?;
         self.say(&ToController::Command(command));
@@ -112,7 +112,7 @@ impl Node {
     }
 
     /// Before a tick: it hears its host, and takes all that waits.
-    pub(super) fn beat(&mut self) -> Result<(), TwinError> {
+    pub(super) fn beat(&mut self) -> Result<(), QemuError> {
         let beat = self.sender.stream(Stream::Heartbeat);
         self.say(&ToController::Stream(beat));
         while !self.line.is_empty() {
@@ -122,7 +122,7 @@ impl Node {
     }
 
     /// Behind a tick: the answer to its command.
-    pub(super) fn hear_answer(&mut self) -> Result<(), TwinError> {
+    pub(super) fn hear_answer(&mut self) -> Result<(), QemuError> {
         if !self.waits {
             return Ok(());
         }
@@ -130,11 +130,11 @@ impl Node {
         match self.outcome.take() {
             // What the controller in process refuses this one must refuse, too: their states tell.
             Some(Outcome::Refused(_) | Outcome::Applied(_) | Outcome::Limited(..)) => Ok(()),
-            _ => Err(TwinError::NoAnswer("a command")),
+            _ => Err(QemuError::NoAnswer("a command")),
         }
     }
 
-    fn ask(&mut self, command: Command) -> Result<Outcome, TwinError> {
+    fn ask(&mut self, command: Command) -> Result<Outcome, QemuError> {
         self.send(command)?;
         for _ in 0..PATIENCE {
             self.below()?;
@@ -142,7 +142,7 @@ impl Node {
                 return Ok(outcome);
             }
         }
-        Err(TwinError::NoAnswer("a command"))
+        Err(QemuError::NoAnswer("a command"))
     }
 
     /// An upload, block by block, to its end. `what`: as a message names it.
@@ -151,14 +151,14 @@ impl Node {
         what: &'static str,
         item: &Item,
         content: &[u8],
-    ) -> Result<(), TwinError> {
+    ) -> Result<(), QemuError> {
         let mut command = Command::BeginUpload(item.clone());
         loop {
             let next = match self.ask(command)? {
                 Outcome::Applied(Applied::Upload { next }) => next,
                 Outcome::Applied(Applied::Stored(_)) => return Ok(()),
-                Outcome::Refused(refusal) => return Err(TwinError::Refused { what, refusal }),
-                _ => return Err(TwinError::NoAnswer("an upload")),
+                Outcome::Refused(refusal) => return Err(QemuError::Refused { what, refusal }),
+                _ => return Err(QemuError::NoAnswer("an upload")),
             };
             command = match content.get(next as usize..) {
                 None | Some([]) => Command::EndUpload,
@@ -172,13 +172,13 @@ impl Node {
     }
 
     /// Behind another rig or other settings it begins anew.
-    pub(super) fn restart(&mut self) -> Result<Welcome, TwinError> {
+    pub(super) fn restart(&mut self) -> Result<Welcome, QemuError> {
         for _ in 0..PATIENCE {
             if std::mem::take(&mut self.has_restarted) {
                 return self.connect();
             }
             self.below()?;
         }
-        Err(TwinError::NoAnswer("an upload"))
+        Err(QemuError::NoAnswer("an upload"))
     }
 }

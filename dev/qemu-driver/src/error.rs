@@ -1,4 +1,4 @@
-//! Why there is no twin, or not the same one.
+//! Errors of the image in QEMU.
 
 use std::io;
 use std::path::PathBuf;
@@ -9,13 +9,13 @@ use sinew_firmware::supervisor::Command;
 use sinew_link::message::Refusal;
 use thiserror::Error;
 
-/// Why the image in QEMU does not play, or plays something else.
+/// An error of the image in QEMU: it does not play, or it plays something else.
 #[derive(Debug, Clone, Error)]
 #[non_exhaustive]
-pub enum TwinError {
+pub enum QemuError {
     /// There is no image.
     #[error(
-        "{}: there is no image of the node. `cargo xtask node` builds it there; {variable} names another one",
+        "{}: there is no image of the node. `cargo xtask node` builds it, and names it in {variable}",
         path.display()
     )]
     NoImage {
@@ -66,8 +66,11 @@ pub enum TwinError {
         /// How many there may be.
         holds: usize,
     },
+    /// The rig cannot be wired to a board.
+    #[error("the rig cannot be wired to the node in QEMU: {0}")]
+    Wiring(String),
     /// A servo takes pulses.
-    #[error("--qemu: servo `{0}` takes pulses: the image was tried with serial lines alone")]
+    #[error("servo `{0}` takes pulses: the image was tried with serial lines alone")]
     Pulses(String),
     /// The node took the rig, and has no loop.
     #[error("the node in QEMU took the rig, and its controller refuses it")]

@@ -1,9 +1,14 @@
+use std::cell::RefCell;
 use std::convert::Infallible;
 use std::io::{PipeReader, PipeWriter, Read as _, Write as _, pipe};
 use std::panic::resume_unwind;
+use std::path::Path;
+use std::rc::Rc;
 use std::thread;
 
 use sinew_firmware::supervisor::FaultSet;
+use sinew_performance::play::{Director, Drive, Ended, Memory, Options, Parts, Stand};
+use sinew_performance::{Baker, Marks};
 use sinew_qemu_node::message::{Bytes, End};
 use sinew_qemu_node::node::{self, FLASH_LEN};
 use sinew_retarget::feasibility::RigMotion;
@@ -14,8 +19,6 @@ use sinew_servo_sim::plant::RigPlant;
 use sinew_show::write::Settings;
 
 use super::*;
-use crate::play::{Director, Drive, Ended, Memory, Options, Stand};
-use crate::{Baker, Marks};
 
 /// The node's end.
 struct Ends(PipeReader, PipeWriter);
@@ -30,8 +33,11 @@ impl Bytes for Ends {
     }
 }
 
-/// The node of the image, in a thread.
-fn here(parts: &Parts, show: &[u8]) -> Result<Twin, TwinError> {
+/// A peer that is shared with a rig.
+type Shared = Rc<RefCell<QemuController>>;
+
+/// Starts the node of the image in a thread.
+fn here(parts: &Parts, show: &[u8]) -> Result<Shared, QemuError> {
     let [(from_node, to_host), (from_host, to_node)] = [pipe().unwrap(), pipe().unwrap()];
     let run = || {
         let (mut flash, mut lent) = (vec![0; FLASH_LEN], vec![0; 1 << 20]);
@@ -39,7 +45,8 @@ fn here(parts: &Parts, show: &[u8]) -> Result<Twin, TwinError> {
         node::run(host, FaultSet::EMPTY, &mut flash, &mut lent)
     };
     thread::Builder::new().stack_size(64 << 20).spawn(run).unwrap();
-    Twin::new(Emulator::over(from_node, to_node), parts, show)
+    let emulator = Emulator::over(from_node, to_node);
+    Ok(Rc::new(RefCell::new(QemuController::new(emulator, parts, show)?)))
 }
 
 /// An arm on two lines of two protocols, and a show in which it swings.
@@ -76,12 +83,12 @@ impl Swing {
     }
 }
 
-/// Plays to the end, or to the first tick in which a twin is not the same.
-fn played(stand: &mut Stand<'_, RigPlant>) -> Result<Ended, TwinError> {
+/// Plays to the end, or to the first tick in which the peer is not the same.
+fn played(stand: &mut Stand<'_, RigPlant>, peer: Option<&Shared>) -> Result<Ended, QemuError> {
     let mut director = Director::default();
     loop {
         let ended = director.tick(stand, false);
-        stand.check_twin()?;
+        peer.map(|peer| peer.borrow().compared()).transpose()?;
         if let Some(ended) = ended {
             return Ok(ended);
         }
@@ -94,34 +101,33 @@ fn a_whole_node_says_on_both_lines_what_the_controller_says() {
     for drive in [None, Some(Drive::Position)] {
         let swing = Swing::new(drive);
         let mut memories: [Vec<Memory>; 2] = [vec![[0; MEMORY_LEN]; 3], vec![[0; MEMORY_LEN]; 3]];
-        let [alone, with_twin] = &mut memories;
+        let [alone, with_peer] = &mut memories;
         let mut alone = swing.stand(alone);
-        let twin = here(&swing.parts, &swing.show).unwrap();
-        let mut stand = swing.stand(with_twin).with_twin(twin);
-        for stand in [&mut alone, &mut stand] {
-            assert_eq!(played(stand).unwrap(), Ended::Done);
-        }
+        let peer = here(&swing.parts, &swing.show).unwrap();
+        let mut stand = swing.stand(with_peer).with_peer(peer.clone());
+        assert_eq!(played(&mut alone, None).unwrap(), Ended::Done);
+        assert_eq!(played(&mut stand, Some(&peer)).unwrap(), Ended::Done);
         assert_eq!(stand.wires(), alone.wires());
-        let [ticks, packets] = stand.check_twin().unwrap().unwrap();
+        let [ticks, packets] = peer.borrow().compared().unwrap();
         assert_eq!(ticks, alone.ticks());
         // Each line says something in each tick.
         assert!(packets >= 2 * ticks, "{packets} packets in {ticks} ticks");
-        assert_eq!(alone.check_twin().unwrap(), None);
     }
 }
 
 #[test]
 fn a_node_that_is_not_the_same_is_noticed() {
     let swing = Swing::new(None);
-    let mut other = Swing::new(None).parts;
-    other.setups[0].stall_a *= 1.5;
-    other.settings.tracker.kp *= 1.01;
+    let options = Options { rate_hz: Some(250), ..Options::default() };
+    let other = Parts::new(&swing.rig, &swing.mechanism, options).unwrap();
+    assert_ne!(other.rate_hz, swing.parts.rate_hz);
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; 3];
-    let mut stand = swing.stand(&mut memories).with_twin(here(&other, &swing.show).unwrap());
-    let refused = played(&mut stand).unwrap_err();
-    assert!(matches!(refused, TwinError::Differs { tick: 1.., .. }), "{refused}");
+    let peer = here(&other, &swing.show).unwrap();
+    let mut stand = swing.stand(&mut memories).with_peer(peer.clone());
+    let refused = played(&mut stand, Some(&peer)).unwrap_err();
+    assert!(matches!(refused, QemuError::Differs { tick: 1.., .. }), "{refused}");
     // It stays so, however often somebody asks.
-    assert_eq!(stand.check_twin().unwrap_err().to_string(), refused.to_string());
+    assert_eq!(peer.borrow().compared().unwrap_err().to_string(), refused.to_string());
 }
 
 #[test]
@@ -129,5 +135,12 @@ fn what_the_node_refuses_is_told() {
     let Swing { mut parts, show, .. } = Swing::new(None);
     parts.take_shows_of(parts.rig_crc() ^ 1);
     let Err(refused) = here(&parts, &show) else { panic!("it takes a show of another rig") };
-    assert!(matches!(refused, TwinError::Refused { what: "show", .. }), "{refused}");
+    assert!(matches!(refused, QemuError::Refused { what: "show", .. }), "{refused}");
+}
+
+#[test]
+fn a_missing_image_is_told() {
+    let Err(missing) = Emulator::start(Path::new("no/such/image")) else { panic!("it starts") };
+    let told = "no/such/image: there is no image of the node. `cargo xtask node` builds it";
+    assert!(missing.to_string().starts_with(told), "{missing}");
 }

@@ -1,9 +1,8 @@
 //! QEMU with the image of the node.
 
 use std::collections::VecDeque;
-use std::env;
 use std::io::{Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
@@ -11,12 +10,10 @@ use std::time::Duration;
 
 use sinew_qemu_node::message::Bytes;
 
-use super::error::TwinError;
+use super::error::QemuError;
 
-/// Names an image.
-pub(super) const IMAGE: &str = "SINEW_NODE_IMAGE";
-/// Where `cargo xtask node` puts one, in the folder of all that cargo builds.
-const IN_TARGET: &str = "arm/thumbv7em-none-eabihf/firmware/node";
+/// The variable in which `cargo xtask node` names the image.
+pub const IMAGE: &str = "SINEW_NODE_IMAGE";
 
 /// An answer takes milliseconds: an image that says nothing for so long waits for what this program never says.
 const SILENT: Duration = Duration::from_secs(20);
@@ -28,7 +25,7 @@ pub struct Emulator {
     /// What came, and was not read yet.
     came: VecDeque<u8>,
     to: Box<dyn Write>,
-    /// Who runs it.
+    /// The process, if this value runs it.
     qemu: Option<Child>,
 }
 
@@ -48,24 +45,23 @@ impl Emulator {
         Self { from: take, came: VecDeque::new(), to: Box::new(to), qemu: None }
     }
 
-    /// Starts it. It ends with this value.
+    /// Starts QEMU with an image, until this value is dropped.
     ///
     /// # Errors
-    /// [`TwinError`] says what to run.
-    pub fn start() -> Result<Self, TwinError> {
-        let path = image()?;
-        let mut command = Command::new("qemu-system-arm");
-        command
+    /// [`QemuError`] says what to run.
+    pub fn start(image: &Path) -> Result<Self, QemuError> {
+        if !image.is_file() {
+            return Err(QemuError::NoImage { path: image.to_owned(), variable: IMAGE });
+        }
+        let qemu = Command::new("qemu-system-arm")
             .args(["-machine", "mps2-an386", "-display", "none", "-monitor", "none"])
             .args(["-serial", "none", "-semihosting-config", "enable=on,target=native"])
             .arg("-kernel")
-            .arg(path)
+            .arg(image)
             .stdin(Stdio::piped())
-            .stdout(Stdio::piped());
-        // Ctrl-C on a terminal is for this program, which stops the rig by it.
-        #[cfg(unix)]
-        std::os::unix::process::CommandExt::process_group(&mut command, 0);
-        let mut qemu = command.spawn().map_err(|why| TwinError::NoQemu(why.into()))?;
+            .stdout(Stdio::piped())
+            .spawn();
+        let mut qemu = qemu.map_err(|why| QemuError::NoQemu(why.into()))?;
         let pipes = qemu.stdout.take().zip(qemu.stdin.take());
         let (from, to) = pipes.expect("both are piped");
         let mut emulator = Self::over(from, to);
@@ -74,20 +70,20 @@ impl Emulator {
     }
 
     /// The other end says nothing more.
-    fn left(&mut self) -> TwinError {
+    fn left(&mut self) -> QemuError {
         let status = self.qemu.as_mut().and_then(|qemu| qemu.wait().ok());
-        TwinError::Left { status }
+        QemuError::Left { status }
     }
 }
 
 impl Bytes for Emulator {
-    type Error = TwinError;
+    type Error = QemuError;
 
-    fn read(&mut self, bytes: &mut [u8]) -> Result<(), TwinError> {
+    fn read(&mut self, bytes: &mut [u8]) -> Result<(), QemuError> {
         while self.came.len() < bytes.len() {
             match self.from.recv_timeout(SILENT) {
                 Ok(more) => self.came.extend(more),
-                Err(RecvTimeoutError::Timeout) => return Err(TwinError::Silent { image: IMAGE }),
+                Err(RecvTimeoutError::Timeout) => return Err(QemuError::Silent { image: IMAGE }),
                 Err(RecvTimeoutError::Disconnected) => return Err(self.left()),
             }
         }
@@ -96,7 +92,7 @@ impl Bytes for Emulator {
         Ok(())
     }
 
-    fn write(&mut self, bytes: &[u8]) -> Result<(), TwinError> {
+    fn write(&mut self, bytes: &[u8]) -> Result<(), QemuError> {
         self.to.write_all(bytes).map_err(|_| self.left())
     }
 }
@@ -109,14 +105,4 @@ impl Drop for Emulator {
             let _ = qemu.wait();
         }
     }
-}
-
-/// The image that is named, or the one beside what cargo has built of this program.
-fn image() -> Result<PathBuf, TwinError> {
-    let built = || {
-        let program = env::current_exe().unwrap_or_default();
-        program.ancestors().nth(2).unwrap_or(Path::new("target")).join(IN_TARGET)
-    };
-    let path = env::var_os(IMAGE).map_or_else(built, PathBuf::from);
-    if path.is_file() { Ok(path) } else { Err(TwinError::NoImage { path, variable: IMAGE }) }
 }
