@@ -64,8 +64,8 @@ impl QemuController {
         self.ticks * self.tick_us
     }
 
-    /// Asks for packets of a line. `own`: those of the controller in process, their bytes in `out`, where the image's are
-    /// put.
+    /// Asks for packets of a line. `own`: those of the controller in process, their bytes in `out`, where the image's
+    /// are put.
     fn packets(
         &mut self,
         question: &ToNode<'_>,

@@ -5,9 +5,9 @@
 //!                                                          ║ the same?                         │ answers, to both
 //!                                   controller in process ─╨─ Tally, Recorder  <───────────────┘
 //! ```
-//! The image's packets go over the wires. The controller in process hears the same answers and gets the same commands in
-//! the same ticks, and all that the two say is compared: each packet, and in each tick state, commanded pose, efforts
-//! and errors, bit for bit. So tables and recordings, which are made of the controller in process, are of both.
+//! The image's packets go over the wires. The controller in process hears the same answers and gets the same commands
+//! in the same ticks, and all that the two say is compared: each packet, and in each tick state, commanded pose,
+//! efforts and errors, bit for bit. So tables and recordings, which are made of the controller in process, are of both.
 //!
 //! - `emulator`: the process of QEMU, as a pair of pipes;
 //! - `node`: a node over these pipes, and its link;

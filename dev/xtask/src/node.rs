@@ -1,5 +1,5 @@
-//! Builds a whole node as an image, and compares it in QEMU with the same in process: an arm and its bad line, and shows
-//! on rigs.
+//! Builds a whole node as an image, and compares it in QEMU with the same in process: an arm and its bad line, and
+//! shows on rigs.
 
 use std::process::Command;
 

@@ -88,8 +88,8 @@ impl Case {
         Played { table: tally.table(&stand, director.raised()), states }
     }
 
-    /// Plays in process, then in QEMU: the same table, hash and states. Returns the hash, and how many ticks and packets
-    /// were compared.
+    /// Plays in process, then in QEMU: the same table, hash and states. Returns the hash, and how many ticks and
+    /// packets were compared.
     fn is_same_in_qemu(&self) -> (String, [u64; 2]) {
         let image: PathBuf = std::env::var_os(IMAGE)
             .unwrap_or_else(|| panic!("{IMAGE}: `cargo xtask node` sets it"))
@@ -125,9 +125,9 @@ fn an_arm_says_in_qemu_what_it_says_in_process() {
     }
 }
 
-/// A walk and a fight on two robots. With `SINEW_NODE_ALL`, which `cargo xtask node` sets, whole, and rows of
-/// docs/boards.md are printed. Else, since emulators are slow, each robot and clip once, for some seconds: more than the
-/// 4 s of a show's block.
+/// A walk and a fight on two robots. With `SINEW_NODE_ALL`, which `cargo xtask node` sets, whole, and rows
+/// of docs/boards.md are printed. Else, since emulators are slow, each robot and clip once, for some seconds: more than
+/// the 4 s of a show's block.
 #[test]
 #[ignore = "needs SINEW_DATA, and the image that `cargo xtask node` builds"]
 fn robots_say_in_qemu_what_they_say_in_process() {

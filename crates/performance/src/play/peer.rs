@@ -11,8 +11,8 @@ use sinew_servo_bus::{
 
 use super::RigController;
 
-/// A controller outside of this program, such as a board's image in an emulator. It gets the same commands and hears the
-/// same answers as the controller in process, in the same ticks. The servos get its packets.
+/// A controller outside of this program, such as a board's image in an emulator. It gets the same commands and hears
+/// the same answers as the controller in process, in the same ticks. The servos get its packets.
 pub trait PeerController {
     /// Begins a tick, in which it hears its host.
     fn begin(&mut self, command: Option<LoopCommand>);
