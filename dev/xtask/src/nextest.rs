@@ -68,6 +68,28 @@ fn times(report: &str) -> Vec<(f64, String)> {
 mod tests {
     use super::*;
 
+    /// Libraries without unit tests are not compiled a second time for them (`test = false`): then none may be added
+    /// that would never run.
+    #[test]
+    fn a_library_without_tests_has_none() {
+        let files =
+            step::output(step::command("git").current_dir(step::root()).arg("ls-files")).unwrap();
+        let read = |file: &str| fs::read_to_string(step::root().join(file)).unwrap();
+        for manifest in files.lines().filter(|file| file.ends_with("/Cargo.toml")) {
+            if !read(manifest).contains("[lib]\ntest = false") {
+                continue;
+            }
+            let sources = manifest.replace("Cargo.toml", "src/");
+            for file in files.lines().filter(|file| file.starts_with(&sources)) {
+                let is_rust = file.ends_with(".rs");
+                assert!(
+                    !is_rust || !read(file).contains("#[test]"),
+                    "{file} has a test: see {manifest}"
+                );
+            }
+        }
+    }
+
     #[test]
     fn a_report_has_the_seconds_of_each_test() {
         let report = "<testsuite name=\"core\" time=\"9\">\n\
