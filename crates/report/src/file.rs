@@ -7,7 +7,7 @@ use std::{fs, io};
 use maud::Markup;
 use sinew_host_util::output::Pending;
 
-use super::{alone, png};
+use super::{palette, png};
 
 /// Whether a picture can be written under that name, before any work is done for it.
 ///
@@ -57,4 +57,21 @@ pub fn write_all(pictures: &[(String, Markup)], folder: &Path) -> io::Result<Vec
         }
     }
     Ok(written)
+}
+
+/// A picture as a file of its own: with its colours, and charts on a ground. A stage is one.
+pub(super) fn alone(svg: &str) -> String {
+    let (head, content) = svg.split_at(svg.find('>').expect("a picture is an element") + 1);
+    let style = palette::picture();
+    let ground = if svg.contains("class=\"stage\"") {
+        ""
+    } else {
+        "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>"
+    };
+    let svg = format!("{head}<style>{style}</style>{ground}{content}\n");
+    // Names out of files may hold what no XML can, not even escaped.
+    let no_xml = |c: char| {
+        c.is_control() && !matches!(c, '\t' | '\n' | '\r') || matches!(c, '\u{fffe}' | '\u{ffff}')
+    };
+    if svg.contains(no_xml) { svg.replace(no_xml, "\u{fffd}") } else { svg }
 }

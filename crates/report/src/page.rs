@@ -6,9 +6,11 @@ use sinew_evaluation::{Evaluation, FigureResult, MethodName};
 
 use super::chart::{self, Quantity, Statistic, legend};
 use super::head::head;
+use super::report::Report;
+use super::results::{courses, joints, spreads};
 use super::tables::{ratios, table};
 use super::text::Words;
-use super::{Comparison, Playback, Report, Sweep, courses, joints, palette, pareto, spreads};
+use super::{Comparison, Playback, Sweep, palette, pareto};
 
 const SCRIPT: &str = concat!(include_str!("assets/page.js"), include_str!("assets/player.js"));
 

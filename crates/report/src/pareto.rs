@@ -5,8 +5,8 @@ use sinew_evaluation::optimum::{Curve, Held, Optimum, WEIGHTS_M};
 use sinew_evaluation::pareto::on_front;
 use sinew_evaluation::{ErrorTotals, Errors, FigureResult};
 
-use super::Report;
 use super::chart::{ParetoChart, Reference, Spot};
+use super::report::Report;
 use super::text::Words;
 
 type Group = (&'static str, fn(&Errors) -> &ErrorTotals);

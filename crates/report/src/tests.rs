@@ -1,11 +1,12 @@
 //! The report of a rig.
 
 use sinew_evaluation::exercise::{Exercises, exercises};
-use sinew_evaluation::{Protocol, evaluate};
+use sinew_evaluation::{MethodName, Protocol, evaluate};
 use sinew_figure::plant::PlantKind;
 
 use super::scene::Mannequin;
 use super::scene::fixture::arm;
+use super::text::Words;
 use super::*;
 
 /// Shows `read` a report of 2 s of the arm's motions, by every method of a rig.

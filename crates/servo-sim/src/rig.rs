@@ -6,7 +6,7 @@
 
 use sinew_core::TreeError;
 use sinew_core::coordinates::CoordinatesError;
-use sinew_rig::actuation::{Actuation, DriveOf};
+use sinew_rig::actuation::{Actuation, JoinedDrive};
 use sinew_rig::description::DescriptionError;
 use sinew_rig::drive::DriveInputError;
 use sinew_rig::mechanism::{InverseDynamics, JointModel};
@@ -144,7 +144,7 @@ impl<'r> Joints<'r> {
     fn load(
         &mut self,
         actuation: &Actuation,
-        drive: &DriveOf,
+        drive: &JoinedDrive,
         servos: &mut [RigServo],
     ) -> Result<(), RigServosError> {
         let mut dofs = Vec::new();

@@ -9,7 +9,7 @@ use sinew_core::{
     JointKind, JointStates, JointTargets, TorqueController, Transform, Twist, Workspace,
 };
 
-use super::CaseError;
+use super::error::CaseError;
 use super::figure::{self, GoldenBody, Root, Tree, joint_state, links, tree};
 use super::golden::{Rotation, Scalar, Vector, expect_count, largest};
 use super::rounding::{

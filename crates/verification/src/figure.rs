@@ -6,7 +6,7 @@ use sinew_core::glam::{Quat, Vec3};
 use sinew_core::{Body, Inertia, JointKind, JointState, RotationalInertia, Transform};
 use sinew_figure::plant::MassProperties;
 
-use super::CaseError;
+use super::error::CaseError;
 use super::golden::{Rotation, Scalar, Vector, expect_count};
 use super::rounding::{self, Joint, Link, Motion, Number};
 

@@ -6,7 +6,7 @@ use sinew_core::glam::{Quat, Vec3};
 use sinew_core::trajectory::{backward_states, forward_targets};
 use sinew_core::{Body, Inertia, JointKind, JointStates, JointTargets, Transform, Tree};
 
-use super::CaseError;
+use super::error::CaseError;
 use super::golden::{Rotation, Scalar, Vector, expect_count, largest};
 use super::rounding::{self, Number};
 use super::tally::{Quantity, Tallies};

@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3, Quat, Vec3};
 use serde::{Deserialize, de::DeserializeOwned};
 use serde_json::Value;
 
-use super::{CaseError, FileError};
+use super::error::{CaseError, FileError};
 
 /// A golden file: what it holds, and its cases, not yet looked into.
 #[derive(Deserialize)]
@@ -121,4 +121,10 @@ pub(super) fn expect_count(field: &str, found: usize, expected: usize) -> Result
 /// The largest component of some vectors, without sign.
 pub(super) fn largest<'a>(vectors: impl IntoIterator<Item = &'a Vector>) -> f64 {
     vectors.into_iter().fold(0.0, |largest, v| f64::max(largest, v.0.abs().max_element()))
+}
+
+/// Angle between two orientations, rad; exact for small ones too.
+pub(super) fn angle_between(a: DQuat, b: DQuat) -> f64 {
+    let between = a.normalize() * b.normalize().inverse();
+    2.0 * DVec3::new(between.x, between.y, between.z).length().atan2(between.w.abs())
 }

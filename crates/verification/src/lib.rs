@@ -12,10 +12,12 @@
 )]
 
 mod control;
+mod error;
 mod figure;
 mod finite_difference;
 mod golden;
 mod hauberg;
+mod kind;
 mod rnea;
 pub mod rounding;
 mod solids;
@@ -24,66 +26,14 @@ mod tally;
 mod tolerance;
 mod weights;
 
-use std::fmt;
 use std::fs;
-use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use clap::ValueEnum;
-
+pub use error::{FileError, UnknownFile, UnknownFiles, VerifyError};
 use golden::Golden;
+pub use kind::Kind;
 use tally::Tallies;
 pub use tally::Tally;
-
-/// The schemas that are computed.
-const COMPUTED: &str =
-    "rnea/1, control/1, errors/1, finite_difference/1, solids/1, weights/1 and hauberg/1";
-
-/// What a golden file holds: the name before the slash of its schema.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-#[value(rename_all = "snake_case")]
-pub enum Kind {
-    /// Inverse dynamics, mass matrix, kinematics.
-    Rnea,
-    /// State errors to torques.
-    Control,
-    /// State errors.
-    Errors,
-    /// Finite differences of poses.
-    FiniteDifference,
-    /// Importance of joints.
-    Weights,
-    /// Distances of poses.
-    Hauberg,
-    /// Mass properties of solids.
-    Solids,
-}
-
-impl Kind {
-    /// The name that schemas and `--skip` use.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Rnea => "rnea",
-            Self::Control => "control",
-            Self::Errors => "errors",
-            Self::FiniteDifference => "finite_difference",
-            Self::Weights => "weights",
-            Self::Hauberg => "hauberg",
-            Self::Solids => "solids",
-        }
-    }
-
-    fn of_schema(schema: &str) -> Option<Self> {
-        let name = schema.split('/').next()?;
-        Self::value_variants().iter().copied().find(|kind| kind.name() == name)
-    }
-}
-
-impl fmt::Display for Kind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
 
 /// What became of the golden files of a folder, by file name.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -175,116 +125,4 @@ fn recompute(golden: Golden) -> Result<Vec<Tally>, FileError> {
         unknown => return Err(FileError::UnknownSchema { schema: unknown.to_owned() }),
     }
     Ok(tallies.into_inner())
-}
-
-/// A golden file that cannot be computed.
-#[derive(Debug, Clone, PartialEq)]
-pub struct UnknownFile {
-    /// Its name.
-    pub name: String,
-    /// The schema that it names.
-    pub schema: String,
-    /// Its kind, if that is known: it can be left out.
-    pub kind: Option<Kind>,
-}
-
-/// The golden files of a folder that cannot be computed.
-#[derive(Debug, Clone, PartialEq)]
-pub struct UnknownFiles {
-    /// The files, by name.
-    pub files: Vec<UnknownFile>,
-    /// The kinds that are left out already.
-    pub skip: Vec<Kind>,
-}
-
-/// Each file with its schema, and what to type or to do.
-impl fmt::Display for UnknownFiles {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "cannot compute these schemas, only {COMPUTED}:")?;
-        let mut skip = self.skip.clone();
-        for UnknownFile { name, schema, kind } in &self.files {
-            let advice = if kind.is_none() { " (of no known kind: move it elsewhere)" } else { "" };
-            writeln!(f, "  {name}: `{schema}`{advice}")?;
-            skip.extend(kind.filter(|kind| !skip.contains(kind)));
-        }
-        let names: Vec<_> = skip.iter().map(|kind| kind.name()).collect();
-        if names.is_empty() {
-            return Ok(());
-        }
-        write!(f, "leave out the known kinds with: --skip {}", names.join(","))
-    }
-}
-
-/// Why golden files could not be verified.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum VerifyError {
-    /// Files are of a kind or version that is not known, or not computed yet.
-    #[error("{0}")]
-    Unknown(UnknownFiles),
-    /// The folder or a file cannot be read.
-    #[error("cannot read {}: {source}", path.display())]
-    Read {
-        /// What was read.
-        path: PathBuf,
-        /// Why not.
-        source: io::Error,
-    },
-    /// There is nothing to recompute.
-    #[error("no golden file (*.json) to recompute in {}; {skipped} were skipped", folder.display())]
-    NoFile {
-        /// The folder.
-        folder: PathBuf,
-        /// How many files of it were skipped.
-        skipped: usize,
-    },
-    /// A file cannot be computed.
-    #[error("{file}: {source}")]
-    File {
-        /// Its name.
-        file: String,
-        /// Why not.
-        source: FileError,
-    },
-}
-
-/// Why a golden file could not be computed.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum FileError {
-    /// Not the JSON object that a golden file is.
-    #[error("not a golden file, which is an object with `schema` and `cases`: {0}")]
-    Malformed(serde_json::Error),
-    /// Of a kind or version that is not known, or not computed yet.
-    #[error("cannot compute schema `{schema}`, only {COMPUTED}")]
-    UnknownSchema {
-        /// The schema that the file names.
-        schema: String,
-    },
-    /// There is nothing in it.
-    #[error("no cases; expected a list `cases` with at least one")]
-    NoCase,
-    /// A case is not as its schema has it.
-    #[error("case {case}, {field}: {problem}")]
-    Case {
-        /// Number and name of the case.
-        case: String,
-        /// Path of the field, such as `states[0].tau`.
-        field: String,
-        /// What is wrong with it.
-        problem: String,
-    },
-}
-
-/// What is wrong with a field of a case.
-#[derive(Debug)]
-struct CaseError {
-    field: String,
-    problem: String,
-}
-
-impl CaseError {
-    fn new(field: impl Into<String>, problem: impl fmt::Display) -> Self {
-        Self { field: field.into(), problem: format!("{problem}") }
-    }
 }

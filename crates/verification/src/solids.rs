@@ -3,8 +3,9 @@
 use serde::Deserialize;
 use sinew_figure::solids::{ellipsoid, elliptical_solid, stadium_solid, truncated_cone};
 
+use super::error::CaseError;
 use super::tally::{Quantity, Tallies};
-use super::{CaseError, tolerance as limit};
+use super::tolerance as limit;
 
 #[derive(Deserialize)]
 pub(super) struct Case {

@@ -90,3 +90,6 @@ pub(super) fn refuse(
         found: found.to_string(),
     }
 }
+
+/// The files that [`read`](super::read) knows, for messages.
+pub const NAMES: &str = "Geno.bin, *.glb, *.gltf, *.vrm, *.urdf, *.bvh, *.amc or humanoid3d_*.txt";

@@ -14,7 +14,9 @@
 use glam::DVec3;
 
 use super::error::{Place, Refusal, refuse};
-use super::{Character, JOINT_COUNT_MAX, Joint, Mesh, shares};
+use super::limits::{A_PLACE, JOINT_COUNT_MAX, is_place};
+use super::mesh::{Mesh, shares};
+use super::model::{Character, Joint};
 
 const HEADER: usize = 3 * 4;
 const VERTEX: usize = (3 + 2 + 3) * 4 + 4 + 4 * 4;
@@ -89,10 +91,10 @@ impl<'a> Bytes<'a> {
     fn vector(&mut self, item: impl FnOnce() -> String) -> Result<DVec3, Refusal> {
         let place = Place::Byte(self.at);
         let vector = DVec3::from_array(core::array::from_fn(|_| self.number()));
-        if super::is_place(vector) {
+        if is_place(vector) {
             return Ok(vector);
         }
-        Err(refuse(item(), super::A_PLACE, vector).at(place))
+        Err(refuse(item(), A_PLACE, vector).at(place))
     }
 
     fn vectors(&mut self, count: usize) -> Result<Vec<DVec3>, Refusal> {

@@ -14,9 +14,10 @@ use sinew_mocap::{
 };
 use sinew_retarget::skeleton::SkeletonMatch;
 
-use super::error::{Error, Refusal, refuse};
+use super::error::{Error, NAMES, Refusal, refuse};
+use super::model::{Character, Joint};
+use super::options::Options;
 use super::size::BONE_MAX_M;
-use super::{Character, Joint, NAMES, Options};
 
 /// Reads the skeleton of a motion.
 ///

@@ -6,7 +6,7 @@ use sinew_mocap::{Recording, Skeleton, SkeletonJoint, to_y};
 use sinew_retarget::skeleton::SkeletonMatch;
 
 use super::error::{Refusal, refuse};
-use super::{Character, Joint};
+use super::model::{Character, Joint};
 
 /// The longest bone that is believed, m: as long as the tallest figure.
 pub(super) const BONE_MAX_M: f64 = 3.0;

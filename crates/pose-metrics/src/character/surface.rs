@@ -1,6 +1,6 @@
 //! How much of a mesh's surface each vertex stands for.
 
-use super::Mesh;
+use super::mesh::Mesh;
 
 /// The surface that a vertex stands for, by the triangles around it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -14,7 +14,8 @@ use sinew_mocap::encoding;
 use sinew_rig::import::document;
 
 use super::error::{Place, Refusal, refuse};
-use super::{Character, JOINT_COUNT_MAX, Joint};
+use super::limits::JOINT_COUNT_MAX;
+use super::model::{Character, Joint};
 
 /// Reads the text of a file.
 ///

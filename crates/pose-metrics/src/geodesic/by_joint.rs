@@ -6,7 +6,7 @@ use glam::DVec3;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::joint::Axis;
-use super::model::PoseModel;
+use super::pose_model::PoseModel;
 use super::rig::{Placed, Rig};
 
 /// The energy as a body and all that it carries add to it: `½ Vᵀ matrix V - pullᵀ V`, with V the velocity of the body

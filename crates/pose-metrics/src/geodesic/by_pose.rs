@@ -2,7 +2,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use super::model::PoseModel;
+use super::pose_model::PoseModel;
 use super::rig::{Placed, Rig};
 
 /// The matrix of second derivatives, without what is added to its diagonal.

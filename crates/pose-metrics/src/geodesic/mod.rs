@@ -8,6 +8,7 @@ mod derivatives;
 mod joint;
 mod limit;
 mod model;
+mod pose_model;
 mod rig;
 mod solver;
 

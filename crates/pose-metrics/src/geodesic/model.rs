@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use super::by_joint;
 use super::by_pose::Blocks;
 use super::curve::Curve;
-use super::derivatives::Pull;
+use super::pose_model::PoseModel;
 use super::rig::Rig;
 
 /// What is added to second derivatives for every unit of the gradient.
@@ -24,18 +24,6 @@ pub(super) struct Model {
     /// What these products are to be: the barriers' height.
     height_m2: f64,
     has_second_derivatives: bool,
-}
-
-/// What a model knows of one pose, by column.
-pub(super) struct PoseModel {
-    /// Minus the gradient.
-    pub(super) downhill: DVector<f64>,
-    /// What barriers add to the diagonal.
-    pub(super) barrier: DVector<f64>,
-    /// The diagonal without second derivatives and barriers.
-    own: DVector<f64>,
-    /// What the forces of the curve's bends do.
-    pub(super) pull: Pull,
 }
 
 /// Where the curve goes to.
@@ -147,23 +135,5 @@ impl Model {
         // so it is not convex, the method of Gauss and Newton is.
         let newton = self.has_second_derivatives.then(|| solve(true, RIDGE * self.gradient));
         newton.flatten().or_else(|| solve(false, 0.0))
-    }
-}
-
-impl PoseModel {
-    fn new(rig: &Rig, curve: &Curve, k: usize) -> Self {
-        let [before, at, after] = [k - 1, k, k + 1].map(|k| &curve.placed[k]);
-        let force = ((&at.f - &before.f) - (&after.f - &at.f)) * 2.0;
-        let pull = rig.pull(at, &force);
-        let mut downhill = -&pull.along;
-        let mut barrier = DVector::zeros(rig.columns);
-        for limit in &curve.limits[k - 1] {
-            downhill[limit.column] += limit.force * limit.slope;
-            barrier[limit.column] += limit.force / limit.gap * limit.slope * limit.slope;
-            for column in limit.column..limit.column + limit.bends {
-                barrier[column] -= limit.force * limit.bend;
-            }
-        }
-        Self { downhill, barrier, own: rig.squares(at) * 4.0, pull }
     }
 }

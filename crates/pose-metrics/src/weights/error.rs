@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use sinew_core::importance::{ImportanceError, RestPoseError, VertexError};
 
-use super::JOINT_COUNT_MAX;
+use super::limits::JOINT_COUNT_MAX;
 
 /// A character that cannot be weighed so.
 #[derive(Debug, thiserror::Error)]

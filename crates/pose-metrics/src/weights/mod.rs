@@ -4,6 +4,7 @@
 //! is f32.
 
 mod error;
+mod limits;
 pub mod radii;
 pub mod table;
 
@@ -11,7 +12,6 @@ use std::fmt::{self, Display};
 
 use glam::DVec3;
 use serde::Serialize;
-use sinew_core::BodySet;
 use sinew_core::glam::Vec3;
 use sinew_core::importance::{
     Importance, MeshSurface, RestPose, cylinder_surface, descendants_length,
@@ -19,10 +19,8 @@ use sinew_core::importance::{
 
 use crate::character::{Character, VertexArea};
 pub use error::Error;
+pub use limits::JOINT_COUNT_MAX;
 use radii::Radii;
-
-/// As many joints as `core` can weigh.
-pub const JOINT_COUNT_MAX: usize = BodySet::CAPACITY;
 
 /// What a joint is weighed by. After D. Holden, "Joint Error Propagation" (2025).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use serde::Deserialize;
 
-use super::Error;
+use super::error::Error;
 use crate::character::{COORDINATE_MAX_M, Character, VertexArea};
 
 /// Where the cylinders' radii come from. The cylinder of a joint is the bone that ends in it.

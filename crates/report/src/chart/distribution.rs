@@ -4,8 +4,11 @@ use maud::{Markup, html};
 use sinew_evaluation::MethodName;
 use sinew_evaluation::detail::Spread;
 
+use super::axis::Axis;
+use super::frame::{Frame, chart, horizontal_axis, vertical_axis};
 use super::legend::class;
-use super::{Axis, Frame, Quantity, chart, horizontal_axis, line, px, vertical_axis};
+use super::path::{line, px};
+use super::quantity::Quantity;
 
 const HEIGHT: f64 = 280.0;
 

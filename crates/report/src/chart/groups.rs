@@ -2,7 +2,9 @@
 
 use maud::{Markup, html};
 
-use super::{Axis, Frame, WIDTH, chart, horizontal_axis, px};
+use super::axis::Axis;
+use super::frame::{Frame, WIDTH, chart, horizontal_axis};
+use super::path::px;
 
 const BAR: f64 = 7.0;
 /// Room between two groups.

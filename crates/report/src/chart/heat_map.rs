@@ -2,7 +2,8 @@
 
 use maud::{Markup, html};
 
-use super::{WIDTH, chart, px};
+use super::frame::{WIDTH, chart};
+use super::path::px;
 use crate::sweep::Grid;
 
 const CELL: f64 = 34.0;

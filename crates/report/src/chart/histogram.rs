@@ -2,7 +2,9 @@
 
 use maud::{Markup, html};
 
-use super::{Axis, Frame, WIDTH, chart, horizontal_axis, line, px, vertical_axis};
+use super::axis::Axis;
+use super::frame::{Frame, WIDTH, chart, horizontal_axis, vertical_axis};
+use super::path::{line, px};
 
 /// Height of a histogram, and of the line above it.
 const PANEL: f64 = 120.0;

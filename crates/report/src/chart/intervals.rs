@@ -2,7 +2,9 @@
 
 use maud::{Markup, html};
 
-use super::{Axis, Frame, WIDTH, chart, horizontal_axis, px};
+use super::axis::Axis;
+use super::frame::{Frame, WIDTH, chart, horizontal_axis};
+use super::path::px;
 
 /// Of one kind's mark, and between two rows.
 const MARK: f64 = 11.0;

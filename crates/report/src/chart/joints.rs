@@ -4,8 +4,11 @@ use maud::{Markup, html};
 use sinew_evaluation::MethodName;
 use sinew_evaluation::detail::Spread;
 
+use super::axis::Axis;
+use super::frame::{Frame, WIDTH, chart, horizontal_axis};
 use super::legend::{class, marker};
-use super::{Axis, Frame, Quantity, WIDTH, chart, horizontal_axis, px};
+use super::path::px;
+use super::quantity::Quantity;
 
 /// Height of a body's row in charts of the figure.
 pub(crate) const ROW: f64 = 29.0;

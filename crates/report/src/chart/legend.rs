@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 use sinew_evaluation::MethodName;
 
-use super::px;
+use super::path::px;
 
 /// The class of a method's colour and dashes.
 pub(crate) fn class(method: MethodName) -> String {

@@ -3,8 +3,10 @@
 use maud::{Markup, html};
 use sinew_evaluation::MethodName;
 
+use super::axis::Axis;
+use super::frame::{Frame, chart, horizontal_axis, vertical_axis};
 use super::legend::{class, marker};
-use super::{Axis, Frame, chart, horizontal_axis, line, px, vertical_axis};
+use super::path::{line, px};
 use crate::labels::{self, Circle, Ground, Label, Rectangle};
 
 /// Of the field between the axes, and of a line above it.

@@ -2,7 +2,9 @@
 
 use maud::{Markup, html};
 
-use super::{Axis, Frame, WIDTH, chart, line, px};
+use super::axis::Axis;
+use super::frame::{Frame, WIDTH, chart};
+use super::path::{line, px};
 
 /// Side of a panel.
 const SIDE: f64 = 222.0;

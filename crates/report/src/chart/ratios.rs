@@ -3,8 +3,10 @@
 use maud::{Markup, html};
 use sinew_evaluation::MethodName;
 
+use super::axis::Axis;
+use super::frame::{Frame, WIDTH, chart, horizontal_axis};
 use super::legend::{class, marker};
-use super::{Axis, Frame, WIDTH, chart, horizontal_axis, px};
+use super::path::px;
 
 const ROW: f64 = 26.0;
 

@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use maud::{Markup, html};
 
-use super::{WIDTH, chart, px};
+use super::frame::{WIDTH, chart};
+use super::path::px;
 
 const STRIP: f64 = 13.0;
 const GAP: f64 = 4.0;

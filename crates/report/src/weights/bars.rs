@@ -4,7 +4,7 @@ use maud::{Markup, html};
 use sinew_pose_metrics::character::Character;
 use sinew_pose_metrics::weights::Weighing;
 
-use super::class;
+use super::caption::class;
 use crate::chart::{Axis, px};
 
 /// Heights of rows: names can be read, and few joints do not fill a page.

@@ -7,7 +7,7 @@ use maud::{Markup, html};
 use sinew_pose_metrics::character::{Character, Mesh};
 use sinew_pose_metrics::weights::Weighing;
 
-use super::{caption, class};
+use super::caption::{caption, class};
 use crate::chart::{line, px};
 
 /// Radius of the largest disc.
@@ -81,11 +81,7 @@ impl<'a> View<'a> {
             .map(|ends| line(ends.map(|end| (end.x, end.y))))
             .collect();
         html! {
-            use href="#skin" {}
-            path class="bone" d=(bones) {}
-            g class=(class(weighing.method)) {
-                @for joint in order {
-                    @let radius = LARGEST * libm::sqrt(weighing.weights[joint] / largest);
+            use href="#skin" {} path class="bone" d=(bones) {} g class=(class(weighing.method)) {@for joint in order {@let radius = LARGEST * libm::sqrt(weighing.weights[joint] / largest);
                     circle class="disc" cx=(px(self.joints[joint].x)) cy=(px(self.joints[joint].y)) r=(px(radius)) {
                         title { (self.character.joints()[joint].name) }
                     }

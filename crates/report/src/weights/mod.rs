@@ -1,6 +1,7 @@
 //! The weights of a character's joints: over the figure, and as bars.
 
 mod bars;
+mod caption;
 mod figure;
 
 use std::io;
@@ -8,7 +9,7 @@ use std::path::Path;
 
 use maud::{Markup, html};
 use sinew_pose_metrics::character::Character;
-use sinew_pose_metrics::weights::{Method, Weighing};
+use sinew_pose_metrics::weights::Weighing;
 
 use super::chart::px;
 use super::file;
@@ -55,24 +56,6 @@ fn picture(character: &Character, weighings: &[Weighing]) -> Markup {
             }
             g transform={ "translate(" (px(view.width())) " " (px(TOP)) ")" } { (bars.draw()) }
         }
-    }
-}
-
-/// The class of a method's colour.
-const fn class(method: Method) -> &'static str {
-    match method {
-        Method::Lengths => "by-lengths",
-        Method::Cylinders => "by-cylinders",
-        Method::Mesh => "by-mesh",
-    }
-}
-
-/// What the method weighs, in a few words.
-const fn caption(method: Method) -> &'static str {
-    match method {
-        Method::Lengths => "by lengths of bones below",
-        Method::Cylinders => "by surfaces of bones below",
-        Method::Mesh => "by the skin that moves",
     }
 }
 

@@ -1,9 +1,10 @@
 use glam::DVec3;
 use sinew_pose_metrics::character::{Joint, Mesh};
-use sinew_pose_metrics::weights::{Settings, weigh};
+use sinew_pose_metrics::weights::{Method, Settings, weigh};
 
 use super::*;
-use crate::{alone, png};
+use crate::file::alone;
+use crate::png;
 
 fn arm() -> Character {
     let joint = |name: &str, parent, x| Joint {

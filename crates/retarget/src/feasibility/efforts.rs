@@ -5,8 +5,8 @@ use sinew_core::coordinates::CoordinatesError;
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::{InverseDynamics, LANES};
 
-use super::check::CheckError;
 use super::curve::{Instant, Performance};
+use super::error::CheckError;
 use super::limits::{DofLimits, Limits};
 
 /// Computes the efforts of instants, with rotors and friction: what [`check`](super::check()) compares with limits.

@@ -4,7 +4,7 @@ use sinew_rig::Mechanism;
 use sinew_rig::mechanism::{JointModel, Link, LinkedRange};
 use sinew_rig::review::Servos;
 
-use super::check::{Excess, Kind, Report};
+use super::report::{Excess, Kind, Report};
 
 /// Time over which effort counts as heat, where nobody says: the motor of a small servo.
 const THERMAL_TIME_S: f64 = 60.0;

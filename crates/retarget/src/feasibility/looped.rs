@@ -4,10 +4,12 @@ use sinew_rig::Mechanism;
 use sinew_rig::mechanism::JointModel;
 use thiserror::Error;
 
-use super::check::{CheckError, Excess, Kind, check};
+use super::check::check;
 use super::curve::{Curve, align_quaternions};
+use super::error::CheckError;
 use super::limits::{DofLimits, Limits};
 use super::motion::{MotionError, RigMotion};
+use super::report::{Excess, Kind};
 use super::rows::Rows;
 
 /// Rows that tell the speed and the acceleration at an end: a parabola goes through them.

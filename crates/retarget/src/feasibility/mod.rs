@@ -13,19 +13,23 @@
 mod check;
 mod curve;
 mod efforts;
+mod error;
 mod fit;
 mod limits;
 mod looped;
 mod low_pass;
 mod motion;
+mod report;
 mod rows;
 #[cfg(test)]
 mod tests;
 
-pub use check::{CheckError, DofPeaks, Excess, Kind, Report, check, rate_at_rows};
+pub use check::{check, rate_at_rows};
 pub use curve::{Curve, Instant, Performance};
 pub use efforts::Efforts;
+pub use error::CheckError;
 pub use fit::{Fit, FitError, FitSettings, Lowered, Progress, Smoothed, fit, refit};
 pub use limits::{DofLimits, Heat, Limits};
 pub use looped::{LoopError, Looped, looped};
 pub use motion::{MotionError, RigMotion};
+pub use report::{DofPeaks, Excess, Kind, Report};

@@ -3,7 +3,7 @@
 use glam::{DMat3, DQuat, DVec3};
 use sinew_mocap::JointSample;
 
-use super::Performer;
+use super::model::Performer;
 use crate::{Landmark, LandmarkMap, Side};
 
 /// Half a turn about up, in the axes of a part.

@@ -4,7 +4,7 @@ use glam::{DMat3, DQuat, DVec3};
 use sinew_mocap::{Clip, JointSample, forward_kinematics};
 
 use super::frame::trunk;
-use super::{Bend, Part, Performer, PerformerJoints};
+use super::model::{Bend, Part, Performer, PerformerJoints};
 use crate::{Landmark, LandmarkMap, Side};
 
 /// Cosine up to which a direction counts as upright.

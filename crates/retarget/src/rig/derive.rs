@@ -4,8 +4,10 @@ use glam::DVec3;
 use sinew_rig::Mechanism;
 
 use super::at_zero::{AtZero, meeting_point};
+use super::error::NoMatch;
 use super::groups::{axes, middle_m};
-use super::{Group, Hinge, NoMatch, RigDirections, RigMatch, RigPoint, hinge, points, text};
+use super::matched::{Group, Hinge, RigDirections, RigMatch, RigPoint};
+use super::{hinge, points, text};
 use crate::{Landmark, LandmarkMap, Side};
 
 /// Draws a ball's centre, or a hinge's point, to where it should lie when the axes leave that open.

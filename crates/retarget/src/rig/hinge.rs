@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::at_zero::AtZero;
-use super::{Hinge, RigDirections};
+use super::matched::{Hinge, RigDirections};
 use crate::Landmark;
 
 /// The ways in which a hinge goes count as equal within this part.

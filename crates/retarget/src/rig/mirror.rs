@@ -4,8 +4,8 @@ use glam::DVec3;
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::JointModel;
 
-use super::RigMatch;
 use super::at_zero::AtZero;
+use super::matched::RigMatch;
 
 /// A joint that is not the mirror image of its partner on the other side.
 #[derive(Debug, Clone, PartialEq)]

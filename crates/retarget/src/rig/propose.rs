@@ -4,8 +4,9 @@ use sinew_rig::Mechanism;
 
 use super::at_zero::AtZero;
 use super::chains::{Chain, chains, words_of};
+use super::groups;
+use super::matched::{Group, LeftOut};
 use super::text::{self, Part};
-use super::{Group, LeftOut, groups};
 use crate::{Landmark, Side};
 
 /// Each thing that speaks against a match takes this part of the confidence in it.

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::Found;
 use super::body::Body;
 use super::directions::Stance;
+use super::found::Found;
 use super::limb::{Limb, LimbKind};
 use super::name::{Kind, Part};
 use super::pair::Pair;

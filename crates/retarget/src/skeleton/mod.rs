@@ -9,6 +9,7 @@ mod body;
 mod confidence;
 mod directions;
 mod figure;
+mod found;
 mod limb;
 mod name;
 mod pair;
@@ -29,20 +30,10 @@ use trunk::Trunk;
 
 pub use directions::{Directions, UpAxis};
 pub use figure::{FigureMapping, MapHead, NoMapping, Note, figure_mapping, head_end};
+pub use found::Found;
 pub use unit::{BODY_HEIGHT_M, Unit};
 
 use crate::{Landmark, Side};
-
-/// The joint of a landmark.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Found {
-    /// The joint's index in the skeleton.
-    pub joint: usize,
-    /// How sure it is: 0 is a guess, 1 says that name, side, tree, mirror partner and lengths agree.
-    pub confidence: f64,
-    /// The weakest of its evidence, in plain words.
-    pub reason: String,
-}
 
 /// Which joints of a skeleton are the landmarks of a human body.
 #[derive(Debug, Clone, PartialEq)]

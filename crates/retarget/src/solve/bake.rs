@@ -1,14 +1,17 @@
 //! A whole clip at once: contacts and paths look ahead.
 
 use glam::DVec3;
-use sinew_mocap::{Clip, JointSample};
+use sinew_mocap::Clip;
 use sinew_rig::Mechanism;
 
 use super::contact::contacts;
+use super::limb::BakedLimb;
 use super::path::Frames;
+use super::performance::Performance;
+use super::settings::Settings;
+use super::solver::{ActiveBound, Solver};
 use super::terms::Target;
-use super::{Held, Settings, Solver};
-use crate::performer::{Performer, PerformerFrame};
+use crate::performer::Performer;
 use crate::rig::RigMatch;
 use crate::{Landmark, Side};
 
@@ -32,18 +35,7 @@ pub struct Baked {
     /// By frame: the limbs that are asked for.
     pub limbs: Vec<Vec<BakedLimb>>,
     /// By frame: joints at an end of their range, or at their largest speed.
-    pub held: Vec<Vec<Held>>,
-}
-
-/// A limb in a frame, in f32: a clip has many.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BakedLimb {
-    /// The landmark at its end.
-    pub landmark: Landmark,
-    /// The performer's direction of it, unit, in the rig's world.
-    pub target: [f32; 3],
-    /// Angle between that and the rig's, rad.
-    pub error_rad: f32,
+    pub held: Vec<Vec<ActiveBound>>,
 }
 
 /// Puts a clip on a rig. `performer`: measured over this clip. About 0.1 ms a frame of 30 joints.
@@ -85,28 +77,6 @@ pub fn bake(
         baked.held.push(solver.held().collect());
     }
     baked
-}
-
-/// A clip as what it is of its performer. Frames are made when they are asked for: they are larger than the clip's.
-pub(super) struct Performance<'a> {
-    pub(super) performer: &'a Performer,
-    pub(super) clip: &'a Clip,
-}
-
-impl Performance<'_> {
-    /// All frames in turn.
-    fn frames(&self) -> impl Iterator<Item = PerformerFrame> {
-        self.frames_of(0..self.clip.frames.len())
-    }
-
-    /// Some of the frames.
-    pub(super) fn frames_of(
-        &self,
-        indices: impl Iterator<Item = usize>,
-    ) -> impl Iterator<Item = PerformerFrame> {
-        let mut world: Vec<JointSample> = Vec::with_capacity(self.performer.joint_count());
-        indices.map(move |index| self.performer.frame(&self.clip.frames[index], &mut world))
-    }
 }
 
 /// Where hips and toes go.

@@ -3,8 +3,8 @@
 //! From the first frame alone a limb may be sent to where it gets stuck at the end of a range later on. Where the limbs
 //! come out far from the performer, the clip is also followed from later frames, forward and back.
 
-use super::Solver;
-use super::bake::Performance;
+use super::performance::Performance;
+use super::solver::Solver;
 
 /// Frames are tried at this distance, s.
 const EVERY_S: f64 = 1.0 / 15.0;

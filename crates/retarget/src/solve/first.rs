@@ -1,6 +1,6 @@
 //! The first frame: from home and from random poses near it, since a wrong branch would stay for the whole clip.
 
-use super::Solver;
+use super::solver::Solver;
 
 /// Random starts beside home, and how far from it they lie, rad.
 const STARTS: usize = 15;

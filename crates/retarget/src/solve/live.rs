@@ -4,8 +4,9 @@ use glam::DVec3;
 use sinew_rig::Mechanism;
 
 use super::contact::stands;
+use super::settings::Settings;
+use super::solver::{ActiveBound, Solver};
 use super::terms::Target;
-use super::{Held, Settings, Solver};
 use crate::performer::{Performer, PerformerFrame};
 use crate::rig::RigMatch;
 use crate::{Landmark, LandmarkMap, Side};
@@ -95,7 +96,7 @@ impl Live {
     }
 
     /// Joints at an end of their range, or at their largest speed.
-    pub fn held(&self) -> impl Iterator<Item = Held> + '_ {
+    pub fn held(&self) -> impl Iterator<Item = ActiveBound> + '_ {
         self.solver.held()
     }
 

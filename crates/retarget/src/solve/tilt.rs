@@ -6,7 +6,8 @@
 use sinew_mocap::Clip;
 use sinew_rig::Mechanism;
 
-use super::{Settings, Solver};
+use super::settings::Settings;
+use super::solver::Solver;
 use crate::performer::Performer;
 use crate::rig::RigMatch;
 

@@ -1,6 +1,7 @@
 //! What joints get from the servos that move them.
 
-use super::{Actuation, DriveOf};
+use super::Actuation;
+use super::joined_drive::JoinedDrive;
 use crate::description::{Description, JointType};
 use crate::drive::{DriveInputError, DrivePose};
 use crate::number::single;
@@ -53,7 +54,7 @@ impl Actuation {
     fn of_dofs(
         &self,
         rig: &Description,
-        drive: &DriveOf,
+        drive: &JoinedDrive,
     ) -> Result<Vec<DofDefaults>, DriveInputError> {
         let home: Vec<f32> = drive.joints.iter().flat_map(|joint| home(rig, *joint)).collect();
         let pose = drive.drive.at_joints(&home)?;

@@ -1,6 +1,6 @@
 //! A drive of a description, checked by its numbers.
 
-use super::DriveOf;
+use super::joined_drive::JoinedDrive;
 use crate::description::{Description, DescriptionError, DriveKind, JointType, Path, Step};
 use crate::drive::{Curve, Drive, DriveError, FourBar, Links, Matrix};
 use crate::number::single;
@@ -11,7 +11,7 @@ pub(super) fn of(
     rig: &Description,
     servos: &[Servo],
     index: usize,
-) -> Result<DriveOf, DescriptionError> {
+) -> Result<JoinedDrive, DescriptionError> {
     let described = &rig.drives[index];
     let refused = |key, expected: &str, found: String| DescriptionError {
         path: Path(vec![Step::Key("drive"), Step::Index(index), Step::Key(key)]),
@@ -50,7 +50,7 @@ pub(super) fn of(
             error.to_string(),
         )
     })?;
-    Ok(DriveOf { drive, joints, servos: servo_indices })
+    Ok(JoinedDrive { drive, joints, servos: servo_indices })
 }
 
 fn key(kind: &DriveKind) -> &'static str {

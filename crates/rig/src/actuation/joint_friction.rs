@@ -1,6 +1,7 @@
 //! What joints rub beside their servos, as servos have to overcome it.
 
-use super::{Actuation, DriveOf};
+use super::Actuation;
+use super::joined_drive::JoinedDrive;
 use crate::description::Description;
 use crate::drive::DriveInputError;
 use crate::number::single;
@@ -33,7 +34,7 @@ impl Actuation {
     fn share(
         &self,
         rig: &Description,
-        of: &DriveOf,
+        of: &JoinedDrive,
         home: f32,
         all: &mut [JointFriction],
     ) -> Result<(), DriveInputError> {

@@ -2,32 +2,23 @@
 
 mod defaults;
 mod drive;
+mod joined_drive;
 mod joint_friction;
 mod servo;
 
 use crate::description::{Description, DescriptionError};
 
 pub use defaults::JointDefaults;
+pub use joined_drive::JoinedDrive;
 pub use joint_friction::JointFriction;
 
 /// The drives and servos of a [`Description`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Actuation {
     /// In the order of the description.
-    pub drives: Vec<DriveOf>,
+    pub drives: Vec<JoinedDrive>,
     /// In the order of the description.
     pub servos: Vec<crate::servo::Servo>,
-}
-
-/// A drive, and what it joins.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DriveOf {
-    /// The drive.
-    pub drive: crate::drive::Drive,
-    /// Its joints, as indices into the description's.
-    pub joints: Vec<usize>,
-    /// Its servos, as indices into the description's.
-    pub servos: Vec<usize>,
 }
 
 impl Description {

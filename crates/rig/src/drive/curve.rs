@@ -2,7 +2,9 @@
 
 use heapless::Vec;
 
-use super::{DriveError, DrivePose, LARGEST, LEAST_MOTION, Numbers, Tangent, bounded, collect};
+use super::error::DriveError;
+use super::numbers::{LARGEST, LEAST_MOTION, Numbers, bounded, collect};
+use super::pose::{DrivePose, Tangent};
 use crate::limited::LimitReason;
 
 /// The most points of a curve.

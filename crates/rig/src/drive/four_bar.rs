@@ -6,7 +6,9 @@ use sinew_core::coordinates::nearest_turn;
 use sinew_core::glam::Vec2;
 use sinew_core::math;
 
-use super::{DriveError, DrivePose, Numbers, Tangent, bounded, collect};
+use super::error::DriveError;
+use super::numbers::{Numbers, bounded, collect};
+use super::pose::{DrivePose, Tangent};
 use crate::limited::{LimitReason, within};
 
 /// Least angle between crank and rod, and between rod and lever. At 5 degrees a lever takes eleven times the force that

@@ -1,6 +1,7 @@
 //! What the friction of a joint takes, fed forward.
 
-use super::{DriveError, bounded};
+use super::error::DriveError;
+use super::numbers::bounded;
 
 /// Below this speed Coulomb friction is fed forward in part only, rad/s or m/s: a joint that is to stand still gets
 /// none, and a target that trembles does not make the drive buzz.

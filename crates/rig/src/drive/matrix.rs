@@ -3,14 +3,9 @@
 use heapless::Vec;
 use sinew_core::math;
 
+use super::error::DriveError;
+use super::numbers::{ENTRIES, LARGEST, LEAST_MOTION, MOST, Numbers, bounded, collect, dot};
 use super::pseudo_inverse::pseudo_inverse;
-use super::rotation_vector::{RightJacobian, within_half_a_turn};
-use super::{
-    DriveError, DrivePose, LARGEST, LEAST_MOTION, MOST, Numbers, Tangent, bounded, collect, dot,
-};
-
-/// The most numbers of a matrix: a drive may be 4 x 4, or 1 x 6, but not 6 x 6.
-pub const ENTRIES: usize = 16;
 
 /// The largest condition number that is accepted. What is above moves the joint a hundred times more in one direction
 /// than in another: no transmission is built so. Below, positions keep five of the seven digits of f32, far more than
@@ -31,7 +26,7 @@ pub struct Matrix {
     rows: Vec<f32, ENTRIES>,
     /// Rows of the inverse: a row a servo.
     inverse: Vec<f32, ENTRIES>,
-    offset: Numbers,
+    pub(super) offset: Numbers,
     ball: bool,
 }
 
@@ -173,34 +168,6 @@ impl Matrix {
     /// `G⁺ᵀ τ`.
     pub(super) fn efforts_of(&self, torques: &[f32]) -> Numbers {
         transposed_times(&self.inverse, self.dofs(), torques)
-    }
-
-    pub(super) fn at_joints(&self, q: &[f32]) -> DrivePose<'_> {
-        let (joints, reason) = self.within(collect(q.iter().copied()));
-        let turned: Numbers =
-            collect(joints.iter().zip(&self.offset).map(|(q, offset)| q - offset));
-        let servos = self.servos_of(&turned);
-        DrivePose { tangent: self.tangent(&joints), joints, servos, reason }
-    }
-
-    pub(super) fn at_servos(&self, s: &[f32]) -> DrivePose<'_> {
-        let turned = self.joints_of(s);
-        let wanted = collect(turned.iter().zip(&self.offset).map(|(q, offset)| q + offset));
-        let (joints, reason) = self.within(wanted);
-        let servos = collect(s.iter().copied());
-        DrivePose { tangent: self.tangent(&joints), joints, servos, reason }
-    }
-
-    fn within(&self, joints: Numbers) -> (Numbers, Option<crate::limited::LimitReason>) {
-        if self.ball { within_half_a_turn(joints) } else { (joints, None) }
-    }
-
-    fn tangent(&self, joints: &[f32]) -> Tangent<'_> {
-        if self.ball {
-            Tangent::Ball(self, RightJacobian::at(joints))
-        } else {
-            Tangent::Matrix(self)
-        }
     }
 }
 

@@ -1,8 +1,9 @@
 //! A drive at one position: its maps of velocities, efforts and inertias.
 
+use super::error::DriveInputError;
 use super::matrix::Matrix;
+use super::numbers::{MOST, Numbers, check, collect};
 use super::rotation_vector::RightJacobian;
-use super::{DriveInputError, Numbers, check, collect};
 use crate::limited::LimitReason;
 
 /// A drive at one position. Its maps are linear, and the power is the same on both sides.
@@ -112,7 +113,7 @@ impl DrivePose<'_> {
     pub fn reflected_to_joints(&self, per_servo: &[f32]) -> Result<Numbers, DriveInputError> {
         check("rotor inertias", self.servos.len(), per_servo)?;
         // Motion of each servo for a unit motion of each dof, and how far each dof goes with its servos.
-        let mut motions = heapless::Vec::<Numbers, { super::MOST }>::new();
+        let mut motions = heapless::Vec::<Numbers, MOST>::new();
         for dof in 0..self.joints.len() {
             // There is room: dofs are counted.
             let _ = motions.push(self.servo_velocities(&self.unit(dof))?);

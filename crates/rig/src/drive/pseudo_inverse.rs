@@ -3,8 +3,7 @@
 use heapless::Vec;
 use sinew_core::math;
 
-use super::matrix::ENTRIES;
-use super::{MOST, Numbers, collect, dot};
+use super::numbers::{ENTRIES, MOST, Numbers, collect, dot};
 
 /// Sweeps over all pairs of columns. Convergence is quadratic: matrices of up to six columns take five or so.
 const SWEEPS: usize = 12;

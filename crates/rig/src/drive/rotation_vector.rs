@@ -3,7 +3,7 @@
 use sinew_core::glam::Vec3;
 use sinew_core::math;
 
-use super::{Numbers, collect};
+use super::numbers::{Numbers, collect};
 use crate::limited::LimitReason;
 
 /// The right Jacobian `J` at a rotation vector φ of at most half a turn: `ω = J φ̇`, ω in body axes.

@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::NoteKind;
-use super::note::Notes;
+use super::note::{NoteKind, Notes};
 use crate::description::{Description, Joint, JointType, LinkedLimit};
 
 /// `q[joint] = multiplier · q[of] + offset`, rad or m.

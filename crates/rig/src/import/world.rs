@@ -2,8 +2,8 @@
 
 use glam::{DQuat, DVec3};
 
-use super::note::Notes;
-use super::{NoteKind, Options};
+use super::note::{NoteKind, Notes};
+use super::options::Options;
 use crate::description::{Description, JointType, Mount};
 
 /// The world of a file, and who says that it is so.

@@ -1,6 +1,6 @@
 //! A desk arm.
 
-use super::Turn;
+use super::turn::Turn;
 use crate::description::{Address, Body, Description, Drive, DriveKind, Servo, Supply};
 
 /// A servo of its size, kg (an XL330 weighs 18 g).

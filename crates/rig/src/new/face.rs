@@ -1,6 +1,6 @@
 //! An animatronic face.
 
-use super::Turn;
+use super::turn::Turn;
 use crate::description::{
     Address, Body, Description, Drive, DriveKind, LinkedLimit, Servo, SignalLoss, Supply,
 };

@@ -2,41 +2,10 @@
 
 mod arm;
 mod face;
+mod turn;
 
 pub use arm::{ArmError, arm};
 pub use face::face;
-
-use crate::description::Joint;
-
-/// A revolute joint that moves a body of its own name.
-struct Turn<'a> {
-    name: &'a str,
-    parent: &'a str,
-    position_m: [f64; 3],
-    axis: [f64; 3],
-    range_deg: [f64; 2],
-    home_deg: f64,
-    speed_deg_s: f64,
-    acceleration_deg_s2: f64,
-}
-
-impl Turn<'_> {
-    fn joint(&self) -> Joint {
-        Joint {
-            name: self.name.to_owned(),
-            parent: self.parent.to_owned(),
-            child: self.name.to_owned(),
-            position_m: self.position_m,
-            axis: Some(self.axis),
-            range_rad: vec![self.range_deg.map(f64::to_radians)],
-            // Zero is the default.
-            home_rad: (self.home_deg.abs() > 0.0).then_some(self.home_deg.to_radians()),
-            speed_rad_s: Some(self.speed_deg_s.to_radians()),
-            acceleration_rad_s2: Some(self.acceleration_deg_s2.to_radians()),
-            ..Joint::default()
-        }
-    }
-}
 
 #[cfg(test)]
 mod tests {

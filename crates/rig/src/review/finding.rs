@@ -1,32 +1,7 @@
 //! What is wrong or doubtful of a rig, in words.
 
-use serde::Serialize;
-
-use super::{DofReview, Review, Voltage};
+use super::results::{DofReview, Finding, Review, Severity, Voltage};
 use crate::mechanism::{GRAVITY_M_S2, JointModel, Mechanism};
-
-/// How bad it is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Severity {
-    /// The rig cannot do what it is for.
-    Fault,
-    /// It may not.
-    Warning,
-    /// Worth knowing.
-    Note,
-}
-
-/// One thing that was found.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Finding {
-    /// How bad it is.
-    pub severity: Severity,
-    /// What it is about: `joint elbow`.
-    pub about: String,
-    /// What it is, and what would help.
-    pub text: String,
-}
 
 /// A torque so many times what would lift the whole rig at its full reach is no limit: a placeholder of the file.
 const PLACEHOLDER: f64 = 10.0;

@@ -7,11 +7,11 @@ mod finding;
 mod gain;
 mod gravity;
 mod reach;
+mod results;
 mod servos;
 #[cfg(test)]
 mod tests;
 
-use serde::Serialize;
 use sinew_core::coordinates::CoordinatesError;
 use sinew_core::dynamics::{OuterJoints, ReflectedInertia, reflected_inertia};
 use sinew_core::{JointStates, TreeError};
@@ -19,137 +19,13 @@ use sinew_core::{JointStates, TreeError};
 use crate::mechanism::{BODY_COUNT_MAX, JointModel, Link, Mechanism};
 use crate::number::single;
 
-pub use finding::{Finding, KG_M2_PER_G_MM2, Severity};
+pub use finding::KG_M2_PER_G_MM2;
 pub use gain::largest_stable_angle;
 pub use gravity::{WorstLoad, holding_effort, worst_load};
 pub use reach::reach_m;
-
-/// The control loop that gains are judged for.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Loop {
-    /// Ticks a second.
-    pub rate_hz: f64,
-    /// Ticks that a torque acts late.
-    pub latency_ticks: usize,
-}
-
-/// What the servos of one dof can do there, through their drive.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Capability {
-    /// Names of the servos.
-    pub servos: Vec<String>,
-    /// Effort for long, N m or N.
-    pub continuous: f64,
-    /// Effort at standstill, N m or N.
-    pub stall: f64,
-    /// Speed without load, rad/s or m/s.
-    pub no_load_speed: f64,
-    /// Least step, rad or m.
-    pub resolution: f64,
-    /// Current of all of them for an effort, A per N m or A per N.
-    pub current_per_effort: f64,
-    /// Whether a value is a guess of the servo's data.
-    pub guessed: bool,
-}
-
-/// One dof of one joint.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct DofReview {
-    /// Name of the dof, see [`Mechanism::dof_names`].
-    pub name: String,
-    /// Whether it slides: forces in N and ways in m, else torques in N m and angles in rad.
-    pub slides: bool,
-    /// What gravity asks for in the worst pose found, N m or N.
-    pub gravity_effort: f64,
-    /// That pose: joint coordinates by the rig's order.
-    pub gravity_pose: Vec<f64>,
-    /// The file's own limit, N m or N.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub effort_limit: Option<f64>,
-    /// What its servos can do, if it has any.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub servo: Option<Capability>,
-    /// The file's own limit of speed, rad/s or m/s.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub speed_limit: Option<f64>,
-    /// Inertia against the drive in the home pose with all joints beyond held: kg m² or kg, the rotor's included.
-    pub inertia: f64,
-    /// The same with all joints beyond free to give way: what a torque meets first.
-    pub inertia_free: f64,
-    /// The rotor's part.
-    pub rotor_inertia: f64,
-    /// The largest stable stiffness of a critically damped loop, N m/rad or N/m.
-    pub stable_stiffness: f64,
-    /// The farthest that a point beyond the joint can be from it, m; an upper bound.
-    pub reach_m: f64,
-    /// What the servo's least step is at that distance, mm.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub resolution_mm: Option<f64>,
-}
-
-/// Current of all servos together.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct CurrentReview {
-    /// Where every joint holds its own worst pose, A: more than any one pose takes.
-    pub holding_a: f64,
-    /// Where all servos stall, A.
-    pub stall_a: f64,
-    /// What the supply gives, A.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub supply_a: Option<f64>,
-}
-
-/// All of it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Review {
-    /// Mass of the whole rig, kg.
-    pub mass_kg: f64,
-    /// Number of bodies, fixed joints merged; the base is one.
-    pub bodies: usize,
-    /// Number of degrees of freedom.
-    #[serde(rename = "freedoms")]
-    pub dofs: usize,
-    /// The loop that stiffness is judged for.
-    pub control: Loop,
-    /// Largest stable gain of a critically damped loop, 1/s²: stiffness over inertia.
-    pub stable_kp_per_s2: f64,
-    /// By dof, in the order of efforts.
-    #[serde(rename = "by_freedom")]
-    pub by_dof: Vec<DofReview>,
-    /// If servos are known.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub current: Option<CurrentReview>,
-    /// What feeds each kind of servo; empty if the supply is not known.
-    pub voltages: Vec<Voltage>,
-    /// What is wrong or doubtful, the worst first.
-    pub findings: Vec<Finding>,
-}
-
-/// What feeds the servos of one kind.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Voltage {
-    /// Names of the servos.
-    pub servos: Vec<String>,
-    /// Their kind.
-    pub model: String,
-    /// What the supply gives, V.
-    pub supply_v: f64,
-    /// What the kind's values are for, V.
-    pub model_v: f64,
-}
-
-/// What is known of the servos.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Servos {
-    /// By dof; `None` where no servo moves it.
-    pub by_dof: Vec<Option<Capability>>,
-    /// Where all stall, A.
-    pub stall_current_a: f64,
-    /// What the supply gives, A.
-    pub supply_a: Option<f64>,
-    /// What feeds each kind; empty if the supply is not known.
-    pub voltages: Vec<Voltage>,
-}
+pub use results::{
+    Capability, CurrentReview, DofReview, Finding, Loop, Review, Servos, Severity, Voltage,
+};
 
 impl Review {
     /// Reviews a rig. O(n³), for one sitting at a desk.

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use super::{Capability, Servos, Voltage};
-use crate::actuation::{Actuation, DriveOf};
+use super::results::{Capability, Servos, Voltage};
+use crate::actuation::{Actuation, JoinedDrive};
 use crate::description::{Description, DescriptionError, ServoModel};
 use crate::drive::{DriveInputError, DrivePose};
 use crate::mechanism::{JointModel, Link, Mechanism};
@@ -75,7 +75,7 @@ fn capabilities(
     rig: &Description,
     actuation: &Actuation,
     models: &[ServoModel],
-    drive: &DriveOf,
+    drive: &JoinedDrive,
     joints: &[&Link],
 ) -> Result<Vec<Capability>, DriveInputError> {
     let servos: Vec<Shaft> = drive

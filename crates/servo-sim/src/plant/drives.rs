@@ -1,6 +1,6 @@
 //! The ways in which a rig's joints move, and how servos' shafts go with them.
 
-use sinew_rig::actuation::DriveOf;
+use sinew_rig::actuation::JoinedDrive;
 use sinew_rig::drive::{Drive, DriveInputError, DrivePose, Numbers};
 use sinew_rig::mechanism::JointModel;
 use sinew_rig::servo::Servo;
@@ -37,7 +37,7 @@ impl Driven {
     /// `places`: of each joint of the description, its body. `benched`: of each servo of the rig, its place on the
     /// bench and the middle of its encoder, rad. None if one of them has none.
     pub(super) fn new(
-        of: &DriveOf,
+        of: &JoinedDrive,
         servos: &[Servo],
         mechanics: &Mechanics,
         places: &[Option<usize>],

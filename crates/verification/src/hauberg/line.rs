@@ -1,6 +1,6 @@
 //! The straight line between two poses, with its rounding.
 
-use super::{Case, kind};
+use super::case::{Case, kind};
 use crate::golden;
 use crate::rounding::{Number, Rotation, State, Vector};
 use sinew_core::JointKind;

@@ -4,7 +4,7 @@ use sinew_core::dynamics::{ArticulatedBody, forward_dynamics};
 use sinew_core::glam::Vec3;
 use sinew_core::{JointState, Twist, Wrench};
 
-use super::{Case, State, accelerations, bias_accelerations};
+use super::case::{Case, State, accelerations, bias_accelerations};
 use crate::figure::Tree;
 use crate::golden::{Vector, largest};
 use crate::rounding::Motion;

@@ -1,13 +1,12 @@
 //! Forward dynamics of the articulated plant, in f64: the accelerations that the files' torques make.
 
 use glam::{DMat3, DVec3};
-use sinew_figure::plant::MassProperties;
 use sinew_figure::plant::{
-    ArticulatedPlant, Drive, JointModel, Link, Mechanism, MovingPose, Pose, link,
+    ArticulatedPlant, Drive, JointModel, Link, MassProperties, Mechanism, MovingPose, Pose, link,
 };
 
-use super::{Case, State};
-use crate::CaseError;
+use super::case::{Case, State};
+use crate::error::CaseError;
 use crate::figure::{Root, parent};
 use crate::golden::largest;
 use crate::rounding::{DOUBLE, Motion};

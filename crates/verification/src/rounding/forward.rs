@@ -2,7 +2,8 @@
 
 use sinew_core::JointKind;
 
-use super::dynamics::{Link, Motion};
+use super::link::Link;
+use super::motion::Motion;
 use super::number::Number;
 use super::space::{Matrix, Vector};
 use super::states::Joint;

@@ -6,14 +6,18 @@
 
 mod dynamics;
 mod forward;
+mod kinematics;
+mod link;
+mod motion;
 mod number;
 mod space;
 mod states;
 
-pub use dynamics::{
-    Link, Motion, inverse_dynamics, mass_matrix, mass_matrix_by_torques, symmetric,
-};
+pub use dynamics::{inverse_dynamics, mass_matrix, mass_matrix_by_torques};
 pub use forward::forward_dynamics;
+pub use kinematics::body_states;
+pub use link::{Link, symmetric};
+pub use motion::Motion;
 pub use number::{DOUBLE, LAMBDA, Number};
 pub use space::{Matrix, Rotation, Vector, turn_error};
-pub use states::{Compensated, Difference, Joint, State, body_states};
+pub use states::{Compensated, Difference, Joint, State};

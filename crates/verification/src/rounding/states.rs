@@ -1,6 +1,6 @@
 //! States of bodies and joints, and the differences of them: state errors.
 
-use super::dynamics::{Link, Motion};
+use super::motion::Motion;
 use super::number::Number;
 use super::space::{Rotation, Vector};
 
@@ -35,15 +35,6 @@ impl Joint {
         Self { velocity: Motion::ZERO, ..*self }
     }
 
-    /// The same by way of the world: of bodies whose states are kept there.
-    pub fn through_world(links: &[Link], joints: &[Self]) -> Vec<Self> {
-        let states = body_states(links, joints);
-        let joint = |(link, state): (&Link, &State)| {
-            state.joint(&link.parent.map_or_else(State::world, |parent| states[parent]))
-        };
-        links.iter().zip(&states).map(joint).collect()
-    }
-
     /// As a body's state, seen from the parent and in its axes.
     #[must_use]
     pub fn in_parent(&self) -> State {
@@ -68,16 +59,6 @@ pub struct State {
 
 fn turned(rotation: Rotation, motion: Motion) -> Motion {
     Motion { angular: rotation.turn(motion.angular), linear: rotation.turn(motion.linear) }
-}
-
-/// States of all bodies in the world.
-pub fn body_states(links: &[Link], joints: &[Joint]) -> Vec<State> {
-    let mut states: Vec<State> = Vec::with_capacity(links.len());
-    for (link, joint) in links.iter().zip(joints) {
-        let parent = link.parent.map_or_else(State::world, |parent| states[parent]);
-        states.push(parent.child(joint));
-    }
-    states
 }
 
 impl State {

@@ -3,58 +3,22 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DQuat, DVec3};
-use serde::Deserialize;
 use sinew_core::BodyState;
 use sinew_core::state_error::{
     Aim, AimStatus, Aims, Compensation, StateError, linear_compensation,
 };
 
-use super::difference::{Difference, Limits, add_difference, add_rest};
-use super::{Case, Rounded};
-use crate::CaseError;
+use super::case::{Case, Compensated, CompensatedBody, Difference, Status};
+use super::difference::{Limits, add_difference, add_rest};
+use super::rounded::Rounded;
+use crate::error::CaseError;
 use crate::figure::{self, Tree};
-use crate::golden::{Rotation, Scalar, Vector, expect_count, largest};
-use crate::rnea::angle_between;
+use crate::golden::{angle_between, expect_count, largest};
 use crate::rounding::{self, Compensated as Turned, Number, turn_error};
 use crate::tally::{Quantity, Tallies};
 
 /// Sine of an angle below which the core takes two directions for one, or for opposites.
 const SMALLEST_SINE: f64 = 1e-6;
-
-/// All bodies with one weight β.
-#[derive(Deserialize)]
-pub(super) struct Compensated {
-    beta: Scalar,
-    error: Vec<CompensatedBody>,
-}
-
-#[derive(Deserialize)]
-struct CompensatedBody {
-    #[serde(flatten)]
-    difference: Difference,
-    status: Status,
-    phi: Vector,
-    theta_prime: Rotation,
-    z: Option<Vector>,
-    tip_error: Option<TipError>,
-}
-
-#[derive(Deserialize, Clone, Copy, PartialEq)]
-#[serde(rename_all = "snake_case")]
-enum Status {
-    Leaf,
-    Ok,
-    Parallel,
-    Antiparallel,
-    Coincident,
-    ZeroAim,
-}
-
-/// Only the rotation that the core makes; the file also has two to compare it with.
-#[derive(Deserialize)]
-struct TipError {
-    theta_prime: Scalar,
-}
 
 pub(super) fn check_compensation(
     case: &Case,
@@ -151,13 +115,6 @@ pub(super) fn check_compensation(
         }
     }
     Ok(())
-}
-
-impl CompensatedBody {
-    /// Whether there are two directions to turn from and to.
-    fn is_turned(&self) -> bool {
-        matches!(self.status, Status::Ok | Status::Parallel | Status::Antiparallel)
-    }
 }
 
 /// Compensation of one body, and what it should be.

@@ -2,22 +2,12 @@
 
 use std::f64::consts::PI;
 
-use serde::Deserialize;
 use sinew_core::state_error::StateError;
 
-use super::Case;
+use super::case::{Case, Difference};
 use crate::golden::{Vector, largest};
 use crate::rounding::{self, turn_error};
 use crate::tally::{Quantity, Tallies};
-
-/// An error as the files have it.
-#[derive(Deserialize, Clone, Copy)]
-pub(super) struct Difference {
-    pub(super) e_rot: Vector,
-    pub(super) e_lin: Vector,
-    pub(super) ed_rot: Vector,
-    pub(super) ed_lin: Vector,
-}
 
 /// Limits of the parts of an error, and the largest inputs of their kinds.
 #[derive(Clone, Copy)]

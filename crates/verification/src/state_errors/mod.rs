@@ -1,70 +1,22 @@
 //! State errors by every method (`errors/1`).
 
+mod case;
 mod compensation;
 mod difference;
+mod rounded;
 
-use serde::Deserialize;
 use sinew_core::state_error::{References, StateError, accumulated, local, world};
-use sinew_core::{Body, BodyState, Inertia, JointKind, JointState, Transform, Twist, kinematics};
+use sinew_core::{Body, BodyState, Inertia, JointKind, JointState, Transform, kinematics};
 
-use super::CaseError;
+use super::error::CaseError;
 use super::figure::{self, Tree};
-use super::golden::{Rotation, Scalar, Vector, expect_count};
-use super::rounding::{self, Motion, State};
+use super::golden::{Scalar, expect_count};
+use super::rounding;
 use super::tally::{Quantity, Tallies};
-use compensation::{Compensated, check_compensation};
-use difference::{Difference, Limits, add_difference};
-
-#[derive(Deserialize)]
-pub(super) struct Case {
-    n: usize,
-    parent: Vec<i64>,
-    leaf: Vec<bool>,
-    aim: Vec<Vector>,
-    aim_child: Vec<i64>,
-    desired: States,
-    measured: States,
-    expected: Expected,
-}
-
-/// World states of all bodies.
-#[derive(Deserialize)]
-struct States {
-    pos: Vec<Vector>,
-    quat: Vec<Rotation>,
-    lin_vel: Vec<Vector>,
-    ang_vel: Vec<Vector>,
-}
-
-#[derive(Deserialize)]
-struct Expected {
-    local: Vec<Difference>,
-    world: Vec<Difference>,
-    egocentric: Vec<Difference>,
-    grandparent: Grandparent,
-    linear_compensation: Vec<Compensated>,
-    metrics: Metrics,
-}
-
-#[derive(Deserialize)]
-struct Grandparent {
-    frame: Vec<i64>,
-    error: Vec<Difference>,
-}
-
-#[derive(Deserialize)]
-struct Metrics {
-    angular_deg: Statistics,
-    linear_cm: Statistics,
-}
-
-#[derive(Deserialize)]
-struct Statistics {
-    mean_all: Scalar,
-    max_all: Scalar,
-    mean_leaf: Scalar,
-    max_leaf: Scalar,
-}
+use case::Case;
+use compensation::check_compensation;
+use difference::{Limits, add_difference};
+use rounded::Rounded;
 
 pub(super) fn check(name: &str, case: &Case, tallies: &mut Tallies) -> Result<(), CaseError> {
     let at = format!("case {name}");
@@ -142,80 +94,6 @@ pub(super) fn check(name: &str, case: &Case, tallies: &mut Tallies) -> Result<()
         check_compensation(case, &tree, &at, compensated, states, &rounded, tallies)?;
     }
     Ok(())
-}
-
-/// States of both sides with their rounding.
-struct Rounded {
-    desired: Vec<State>,
-    measured: Vec<State>,
-}
-
-impl Rounded {
-    fn new(case: &Case) -> Self {
-        Self { desired: case.desired.with_rounding(), measured: case.measured.with_rounding() }
-    }
-
-    fn pairs(&self) -> impl Iterator<Item = (&State, &State)> {
-        self.desired.iter().zip(&self.measured)
-    }
-
-    fn world(&self) -> Vec<rounding::Difference> {
-        self.pairs().map(|(d, m)| rounding::Difference::between(d, m)).collect()
-    }
-
-    fn seen_from(&self, references: &References<128>) -> Vec<rounding::Difference> {
-        let seen = |states: &[State], body: usize| {
-            let reference = references.as_slice()[body];
-            states[body].seen_from(&reference.map_or_else(State::world, |of| states[of]))
-        };
-        let difference = |body| {
-            let (d, m) = (seen(&self.desired, body), seen(&self.measured, body));
-            rounding::Difference::between(&d, &m)
-        };
-        (0..self.desired.len()).map(difference).collect()
-    }
-
-    /// As the parent sees them, by way of joint states.
-    fn through_joints(&self, parents: &References<128>) -> Vec<rounding::Difference> {
-        let seen = |states: &[State], body: usize| {
-            let parent = parents.as_slice()[body];
-            let parent = parent.map_or_else(State::world, |of| states[of]);
-            states[body].joint(&parent).in_parent()
-        };
-        let difference = |body| {
-            let (d, m) = (seen(&self.desired, body), seen(&self.measured, body));
-            rounding::Difference::between(&d, &m)
-        };
-        (0..self.desired.len()).map(difference).collect()
-    }
-}
-
-impl States {
-    fn with_rounding(&self) -> Vec<State> {
-        let given = rounding::Vector::given;
-        let state = |body: usize| State {
-            rotation: rounding::Rotation::given(self.quat[body].0),
-            position: given(self.pos[body].0),
-            velocity: Motion {
-                angular: given(self.ang_vel[body].0),
-                linear: given(self.lin_vel[body].0),
-            },
-        };
-        (0..self.quat.len()).map(state).collect()
-    }
-
-    fn rounded(&self, side: &str, n: usize) -> Result<Vec<BodyState>, CaseError> {
-        expect_count(&format!("{side}.quat"), self.quat.len(), n)?;
-        let vectors = [("pos", &self.pos), ("lin_vel", &self.lin_vel), ("ang_vel", &self.ang_vel)];
-        for (field, list) in vectors {
-            expect_count(&format!("{side}.{field}"), list.len(), n)?;
-        }
-        let state = |body: usize| BodyState {
-            pose: Transform::new(self.quat[body].rounded(), self.pos[body].rounded()),
-            velocity: Twist::new(self.ang_vel[body].rounded(), self.lin_vel[body].rounded()),
-        };
-        Ok((0..n).map(state).collect())
-    }
 }
 
 /// A tree without masses: state errors need none.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{Case, Lengths, Mesh};
+use super::case::{Case, Lengths, Mesh};
 use crate::golden::Scalar;
 use crate::rounding::{Number, Vector};
 

@@ -6,9 +6,11 @@ use ::gltf::{Node, Semantic};
 use glam::{DMat4, DVec3};
 
 use super::accessor::Elements;
-use super::{Binding, Buffers, Nodes, Skeleton};
+use super::buffers::Buffers;
+use super::nodes::Nodes;
+use super::skeleton::{Binding, Skeleton};
 use crate::character::error::{Refusal, refuse};
-use crate::character::{Mesh, shares};
+use crate::character::mesh::{Mesh, shares};
 
 type Shares = Vec<(usize, f64)>;
 

@@ -11,17 +11,18 @@ mod buffers;
 mod extensions;
 mod mesh;
 mod nodes;
+mod skeleton;
 
 use std::path::Path;
 
-use ::gltf::{Document, Gltf, Skin};
-use glam::{DMat4, DVec3};
+use ::gltf::{Document, Gltf};
 
 use super::error::{Place, Refusal, refuse};
-use super::{Character, JOINT_COUNT_MAX, Joint, Mesh};
-use accessor::Elements;
+use super::mesh::Mesh;
+use super::model::Character;
 use buffers::Buffers;
 use nodes::Nodes;
+use skeleton::Skeleton;
 
 /// The first bytes of a `.glb`.
 const MAGIC: &[u8] = b"glTF";
@@ -81,170 +82,4 @@ fn check_header(bytes: &[u8]) -> Result<(), Refusal> {
     let expected = format!("the file's size, {} bytes", bytes.len());
     let found = size.map_or("none".into(), |size| size.to_string());
     Err(refuse("the header", expected, found).at(Place::Byte(8)))
-}
-
-/// The joints of all skins that meshes have.
-struct Skeleton {
-    /// The node of each joint.
-    nodes: Vec<usize>,
-    /// From each joint's frame to the world, in the pose that the mesh is modelled in.
-    world: Vec<DMat4>,
-    /// By skin: from the space of its meshes to the world; `None` if only its joints tell. None for skins without mesh.
-    skins: Vec<Option<Binding>>,
-}
-
-/// How a skin's meshes are bound.
-struct Binding {
-    /// The joint of each entry of the skin.
-    joints: Vec<usize>,
-    /// From its meshes to the world; `None`: from each joint's frame to the world.
-    world: Option<DMat4>,
-}
-
-/// How far two skins may have one joint apart.
-const SAME_PLACE_M: f64 = 1e-3;
-
-impl Skeleton {
-    fn new(document: &Document, nodes: &Nodes, buffers: &Buffers) -> Result<Self, Refusal> {
-        let mut skeleton = Self { nodes: Vec::new(), world: Vec::new(), skins: Vec::new() };
-        for skin in document.skins() {
-            let index = Some(skin.index());
-            let is_used = document
-                .nodes()
-                .any(|node| node.mesh().is_some() && node.skin().map(|skin| skin.index()) == index);
-            let binding = is_used.then(|| skeleton.bind(&skin, nodes, buffers)).transpose();
-            let binding =
-                binding.map_err(|refusal| refusal.of(format!("skin {}", skin.index())))?;
-            skeleton.skins.push(binding);
-        }
-        if skeleton.nodes.is_empty() {
-            return Err(refuse("the file", "a node with a mesh and a skin", "none"));
-        }
-        Ok(skeleton)
-    }
-
-    /// The joint that a node is.
-    fn joint(&self, node: usize) -> Option<usize> {
-        self.nodes.iter().position(|joint| *joint == node)
-    }
-
-    /// The nearest joint above a node.
-    fn joint_above(&self, node: usize, nodes: &Nodes) -> Option<usize> {
-        nodes.ancestors(node).find_map(|node| self.joint(node))
-    }
-
-    fn bind(
-        &mut self,
-        skin: &Skin<'_>,
-        nodes: &Nodes,
-        buffers: &Buffers,
-    ) -> Result<Binding, Refusal> {
-        let of_skin: Vec<usize> = skin.joints().map(|node| node.index()).collect();
-        if of_skin.is_empty() || of_skin.len() > JOINT_COUNT_MAX {
-            let expected = format!("1 to {JOINT_COUNT_MAX}");
-            return Err(refuse("joints", expected, of_skin.len()));
-        }
-        let inverse = skin
-            .inverse_bind_matrices()
-            .map(|accessor| {
-                let elements = Elements::matrices(&accessor, buffers)?;
-                if elements.count() < of_skin.len() {
-                    let expected = format!("{} inverse bind matrices", of_skin.len());
-                    return Err(refuse("joints", expected, elements.count()));
-                }
-                Ok(elements)
-            })
-            .transpose()?;
-        let root = of_skin
-            .iter()
-            .position(|node| !nodes.ancestors(*node).any(|above| of_skin.contains(&above)))
-            .ok_or_else(|| refuse("joints", "one that is below no other", "none"))?;
-        let meshes = match &inverse {
-            Some(inverse) => Some(nodes.world(of_skin[root])? * inverse.matrix(root)),
-            None => None,
-        };
-        let mut joints = Vec::with_capacity(of_skin.len());
-        for (entry, node) in of_skin.into_iter().enumerate() {
-            let world = match (&meshes, &inverse) {
-                (Some(meshes), Some(inverse)) => *meshes * inverse.matrix(entry).inverse(),
-                _ => nodes.world(node)?,
-            };
-            if !world.is_finite() {
-                let found = "one that has no inverse";
-                return Err(refuse(format!("joint {entry}"), "an inverse bind matrix", found));
-            }
-            joints.push(self.add(node, world)?);
-        }
-        Ok(Binding { joints, world: meshes })
-    }
-
-    /// The joint of a node; a new one, unless another skin has it.
-    fn add(&mut self, node: usize, world: DMat4) -> Result<usize, Refusal> {
-        let Some(joint) = self.joint(node) else {
-            self.nodes.push(node);
-            self.world.push(world);
-            return Ok(self.nodes.len() - 1);
-        };
-        let (first_m, second_m) = (place_m(&self.world[joint]), place_m(&world));
-        if first_m.distance(second_m) > SAME_PLACE_M {
-            let item = format!("the joint of node {node}");
-            return Err(refuse(item, format!("it at {first_m} as in a skin before"), second_m));
-        }
-        Ok(joint)
-    }
-
-    /// The joints as a character has them, with one root.
-    fn joints(&self, document: &Document, nodes: &Nodes) -> Result<Vec<Joint>, Refusal> {
-        let names = names(document);
-        let mut parents: Vec<Option<usize>> =
-            self.nodes.iter().map(|node| self.joint_above(*node, nodes)).collect();
-        let mut joints = Vec::new();
-        let roots: Vec<usize> =
-            (0..parents.len()).filter(|joint| parents[*joint].is_none()).collect();
-        if let [first, others @ ..] = &roots[..]
-            && !others.is_empty()
-        {
-            let is_above = |above: &usize, joint: &usize| {
-                nodes.ancestors(self.nodes[*joint]).any(|node| node == *above)
-            };
-            let common = nodes
-                .ancestors(self.nodes[*first])
-                .find(|above| others.iter().all(|joint| is_above(above, joint)));
-            let common = common.ok_or_else(|| {
-                let found = format!("`{}` and {} others", names[self.nodes[*first]], others.len());
-                refuse("the joints", "one root, or a node above all of them", found)
-            })?;
-            for root in &roots {
-                parents[*root] = Some(parents.len());
-            }
-            joints.push((common, None, place_m(&nodes.world(common)?)));
-        }
-        let of_skins = self.nodes.iter().zip(parents).zip(&self.world);
-        let of_skins = of_skins.map(|((node, parent), world)| (*node, parent, place_m(world)));
-        Ok(of_skins
-            .chain(joints)
-            .map(|(node, parent, position_m)| Joint {
-                name: names[node].clone(),
-                parent,
-                position_m,
-            })
-            .collect())
-    }
-}
-
-fn place_m(world: &DMat4) -> DVec3 {
-    world.w_axis.truncate()
-}
-
-/// A name for every node, unlike all others.
-fn names(document: &Document) -> Vec<String> {
-    let given: Vec<Option<&str>> = document.nodes().map(|node| node.name()).collect();
-    let name = |(index, name): (usize, Option<&str>)| match name {
-        Some(name) if given.iter().filter(|other| **other == Some(name)).count() == 1 => {
-            name.to_owned()
-        }
-        Some(name) => format!("{name} (node {index})"),
-        None => format!("node {index}"),
-    };
-    given.iter().copied().enumerate().map(name).collect()
 }

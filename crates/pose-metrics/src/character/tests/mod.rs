@@ -3,8 +3,11 @@ mod urdf_files;
 
 use std::path::PathBuf;
 
+use glam::DVec3;
 use proptest::prelude::*;
+use sinew_figure::measured::Told;
 
+use super::mesh::shares;
 use super::*;
 
 fn joint(name: &str, parent: Option<usize>, position_m: [f64; 3]) -> Joint {

@@ -9,9 +9,9 @@ use std::ops::Range;
 
 use super::course::LimitTrace;
 use super::scan::pace;
-use crate::feasibility::check::CheckError;
 use crate::feasibility::curve::{Curve, Instant};
 use crate::feasibility::efforts::{Block, Efforts};
+use crate::feasibility::error::CheckError;
 use crate::feasibility::limits::Limits;
 
 /// How long before and after what was seen the way is looked at too, s: twice the time of braking, as far as a course

@@ -6,16 +6,21 @@ use sinew_rig::Mechanism;
 
 use super::along::Along;
 use super::course::{LimitTrace, lessen};
+use super::error::FitError;
 use super::joint::{distance, draw};
+use super::progress::Progress;
 use super::rest::Rest;
+use super::result::{Fit, FitSettings, Lowered, Smoothed};
 use super::scan::{LimitScan, ScanResult, lower_chain, most_held};
+use super::smooth;
 use super::within::Within;
-use super::{Fit, FitError, FitSettings, Lowered, Smoothed, smooth};
-use crate::feasibility::check::{CheckError, Excess, Kind, Report, Tally};
+use crate::feasibility::check::Tally;
 use crate::feasibility::curve::{Curve, Performance as _};
 use crate::feasibility::efforts::{Block, Efforts};
+use crate::feasibility::error::CheckError;
 use crate::feasibility::limits::{DofLimits, Limits};
 use crate::feasibility::motion::RigMotion;
+use crate::feasibility::report::{Excess, Kind, Report};
 use crate::feasibility::rows::Rows;
 
 /// How long before and after an instant poses are drawn towards home too, s.
@@ -35,23 +40,6 @@ pub(super) enum Round {
     Nearer,
     /// What is left is no performance any more.
     Hopeless,
-}
-
-/// What was done for a fit, for another one of the same motion to go on from. The ranges of its limits are not in it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Progress {
-    widest: Vec<Option<(f64, f64)>>,
-    ended: Vec<bool>,
-    pace: Vec<f64>,
-    share: Vec<Vec<f64>>,
-    room: Vec<f64>,
-}
-
-impl Progress {
-    /// Whether it is of this motion; else that was made finer meanwhile.
-    pub(super) fn is_of(&self, motion: &RigMotion) -> bool {
-        self.pace.len() == motion.rows.len()
-    }
 }
 
 /// A motion on its way to a fit.

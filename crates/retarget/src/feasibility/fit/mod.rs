@@ -6,23 +6,30 @@
 
 mod along;
 mod course;
+mod error;
 mod fitting;
+mod interpolation;
 mod joint;
+mod progress;
 mod rest;
+mod result;
 mod scan;
 mod smooth;
 mod within;
 
 use sinew_rig::Mechanism;
-use thiserror::Error;
 
-use super::check::{CheckError, Excess, Kind, check, rate_at_rows};
+use super::check::{check, rate_at_rows};
 use super::curve::{Curve, Performance as _};
 use super::limits::Limits;
-use super::motion::{MotionError, RigMotion};
-pub use fitting::Progress;
+use super::motion::RigMotion;
+use super::report::{Excess, Kind};
+pub use error::FitError;
 use fitting::{Fitting, Round};
+use interpolation::interpolated;
+pub use progress::Progress;
 use rest::Rest;
+pub use result::{Fit, FitSettings, Lowered, Smoothed};
 use within::Within;
 
 /// What a drive has, beside what holds the rig at rest, to leave it.
@@ -31,148 +38,6 @@ const HOME_AND_MORE: f64 = 1.03;
 const ROUNDS: usize = 120;
 /// Rows a second that a fit works on at least: braking and low-passes are finer than a film's frames.
 const LEAST_HZ: f64 = 100.0;
-
-/// How far a fit may go.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FitSettings {
-    /// The most that a low-pass may change an angle, rad, or a way, m.
-    pub change: f64,
-    /// Share of all limits of speed, acceleration and effort that the fit keeps to.
-    pub share: f64,
-    /// How far from the ends of their ranges joints stay, rad or m: room for what a show rounds.
-    pub room: f64,
-    /// How often a second the motion is looked at, at least: at every row, where a curve's accelerations are largest,
-    /// and evenly between, where it may swing out of a range.
-    pub rate_hz: f64,
-}
-
-impl Default for FitSettings {
-    fn default() -> Self {
-        Self { change: 0.05, share: 0.95, room: 0.005, rate_hz: 200.0 }
-    }
-}
-
-/// A motion within all limits, and what was done for it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Fit {
-    /// The motion.
-    pub motion: RigMotion,
-    /// Time in the given motion of every row of the new one, s: cues follow.
-    pub given_s: Vec<f64>,
-    /// Joints whose angles were low-passed.
-    pub smoothed: Vec<Smoothed>,
-    /// The slowest course: share of the given speed, and when in the given motion, s.
-    pub slowest: (f64, f64),
-    /// Joints that were drawn towards home.
-    pub lowered: Vec<Lowered>,
-    /// Where home itself is too heavy: joints of the lighter pose that is drawn towards instead, and how far from home
-    /// they are, rad or m.
-    pub lightened: Vec<(String, f64)>,
-    /// The most that any angle or way was brought back into its range, by joint; only those that were.
-    pub clamped: Vec<(String, f64)>,
-    /// What was done, for [`refit`].
-    pub progress: Progress,
-}
-
-/// A low-passed joint.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Smoothed {
-    /// The joint.
-    pub joint: String,
-    /// Standard deviation of the low-pass, s.
-    pub width_s: f64,
-    /// The most that it changed, rad or m.
-    pub change: f64,
-}
-
-/// A joint that was drawn towards home.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Lowered {
-    /// The joint.
-    pub joint: String,
-    /// The least share of its way from home that is left.
-    pub share: f64,
-    /// When, in the given motion, s.
-    pub at_s: f64,
-}
-
-/// Why there is no fit.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum FitError {
-    /// The motion is none of the rig.
-    #[error(transparent)]
-    Motion(#[from] MotionError),
-    /// The rig or an instant was refused.
-    #[error(transparent)]
-    Check(#[from] CheckError),
-    /// No pose near home is light enough to draw the motion towards it.
-    #[error(
-        "`{joint}`: the home pose, and every pose found near it, takes {} or more of its limit {}: give the rig a lighter home \
-         pose, or a stronger drive",
-        Kind::Effort.shown(*slides, *held),
-        Kind::Effort.shown(*slides, *limit)
-    )]
-    Heavy {
-        /// The dof.
-        joint: String,
-        /// Whether it slides.
-        slides: bool,
-        /// What holds it in the lightest pose, N m or N.
-        held: f64,
-        /// The limit.
-        limit: f64,
-    },
-    /// Nothing helps.
-    #[error(
-        "`{joint}`: its {} is {} and its limit is {}, at {time_s:.2} s of what was given: slower, smoother and nearer to home \
-         it is still beyond, or too near to its limit for what a show rounds",
-        kind.name(),
-        kind.shown(*slides, *value),
-        kind.shown(*slides, *limit)
-    )]
-    OutOfReach {
-        /// The dof.
-        joint: String,
-        /// Whether it slides.
-        slides: bool,
-        /// Of what.
-        kind: Kind,
-        /// What it would be.
-        value: f64,
-        /// The limit.
-        limit: f64,
-        /// When in the given motion, s.
-        time_s: f64,
-    },
-}
-
-impl Fit {
-    /// What was done; the motion, which may be long, is dropped.
-    #[must_use]
-    pub fn into_progress(self) -> Progress {
-        self.progress
-    }
-
-    /// The time in the given motion, s, at a time of the new one.
-    pub fn given_time_s(&self, time_s: f64) -> f64 {
-        interpolated(&self.given_s, time_s / self.motion.dt_s)
-    }
-}
-
-/// Between evenly spaced values; the first and the last go on beyond the ends.
-fn interpolated(values: &[f64], place: f64) -> f64 {
-    let last = values.len().saturating_sub(1);
-    let place = place.clamp(0.0, last as f64);
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "within the values"
-    )]
-    let index = place.floor() as usize;
-    let [from, to] =
-        [index, (index + 1).min(last)].map(|index| values.get(index).copied().unwrap_or(0.0));
-    from + (place - index as f64) * (to - from)
-}
 
 /// Finds the nearest motion within all limits. O(rows · bodies) for each of at most 120 rounds, usually ten.
 ///

@@ -3,11 +3,11 @@
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::JointModel;
 
-use super::super::check::CheckError;
 use super::super::curve::Instant;
 use super::super::efforts::Efforts;
 use super::super::limits::Limits;
 use super::within::Within;
+use crate::feasibility::error::CheckError;
 
 /// Share of its effort that a joint at rest may need: what is left carries motion.
 const LIGHT: f64 = 0.9;

@@ -3,12 +3,14 @@
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::{JointModel, LANES};
 
-use super::interpolated;
+use super::interpolation::interpolated;
 use super::rest::Rest;
-use crate::feasibility::check::{CheckError, Report, Tally};
+use crate::feasibility::check::Tally;
 use crate::feasibility::curve::{Curve, Performance as _};
 use crate::feasibility::efforts::{Block, Efforts};
+use crate::feasibility::error::CheckError;
 use crate::feasibility::limits::{DofLimits, Limits};
+use crate::feasibility::report::Report;
 
 /// Share of its effort that may hold a joint where it is asked for more.
 const MOST_HELD: f64 = 0.9;

@@ -3,11 +3,13 @@
 use sinew_mocap::Skeleton;
 use sinew_mocap::skeleton_map::{End, Part as MapPart};
 
+use super::super::SkeletonMatch;
 use super::super::body::Body;
 use super::super::name::{Kind, Part};
-use super::super::{Found, SkeletonMatch};
 use super::ends::Ends;
-use super::{NoMapping, Note};
+use super::error::NoMapping;
+use super::note::Note;
+use crate::skeleton::found::Found;
 use crate::{Landmark, Side};
 
 /// A body of the proposal.

@@ -2,12 +2,17 @@
 
 mod draft;
 mod ends;
+mod error;
+mod note;
 mod toml_file;
 
 use std::collections::BTreeMap;
 
 use sinew_mocap::skeleton_map::{End, Signature};
 use sinew_mocap::{Skeleton, SkeletonMap};
+
+pub use error::NoMapping;
+pub use note::Note;
 
 use draft::{Draft, Proposed};
 use ends::Ends;
@@ -25,38 +30,6 @@ pub struct FigureMapping {
     pub notes: Vec<Note>,
     /// What a person should know of the whole.
     pub findings: Vec<String>,
-}
-
-/// How sure one body of a proposal is.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Note {
-    /// The body's name.
-    pub body: String,
-    /// That of the least sure landmark that it is made of.
-    pub confidence: f64,
-    /// Why it is no surer.
-    pub reason: String,
-    /// What was decided beyond the landmarks: a split spine, an end that the file does not tell.
-    pub remarks: Vec<String>,
-}
-
-/// Why a skeleton cannot be mapped on the figure.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum NoMapping {
-    /// Landmarks that the figure needs are not there.
-    #[error("the figure of 18 bodies needs landmarks that the skeleton does not have: {}", list(.0))]
-    Missing(Vec<(Landmark, String)>),
-    /// Maps name joints, so that the names must tell them apart.
-    #[error("two joints are called `{0}`: expected names that tell the joints of a map apart")]
-    SameName(String),
-}
-
-fn list(missing: &[(Landmark, String)]) -> String {
-    missing
-        .iter()
-        .map(|(landmark, reason)| format!("{} ({reason})", landmark.name()))
-        .collect::<Vec<_>>()
-        .join("; ")
 }
 
 /// What to call a map, and what its file tells beside the bodies.

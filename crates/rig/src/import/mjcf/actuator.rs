@@ -5,10 +5,12 @@ use std::collections::BTreeSet;
 use roxmltree::Node;
 
 use super::super::note::Notes;
-use super::super::{ImportError, NoteKind, xml};
+use super::super::xml;
 use super::defaults::{Element, MAIN};
-use super::{Model, single};
+use super::model::Model;
 use crate::description::{Description, JointType};
+use crate::import::error::ImportError;
+use crate::import::note::NoteKind;
 
 /// The shortcuts; MuJoCo keeps the defaults of all in one place.
 const TAGS: [&str; 6] = ["position", "motor", "general", "velocity", "intvelocity", "damper"];
@@ -111,4 +113,13 @@ fn gains(element: &Element<'_, '_>, tag: &str) -> Result<Option<String>, ImportE
             .map(|gains| format!("general, {}", xml::shortened(gains))),
         _ => None,
     })
+}
+
+/// The joint of a name, if it has one dof.
+fn single<'a>(
+    description: &'a mut Description,
+    name: &str,
+) -> Option<&'a mut crate::description::Joint> {
+    let joint = description.joints.iter_mut().find(|joint| joint.name == name)?;
+    matches!(joint.kind, JointType::Revolute | JointType::Prismatic).then_some(joint)
 }

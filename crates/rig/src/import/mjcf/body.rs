@@ -4,77 +4,19 @@ use glam::{DQuat, DVec3};
 use roxmltree::Node;
 
 use super::super::note::{Notes, list};
-use super::super::{ImportError, NoteKind, xml};
-use super::Model;
-use super::defaults::{Element, MAIN};
+use super::super::xml;
+use super::defaults::MAIN;
 use super::joint::{self, MjcfJoint};
 use super::mass;
+use super::model::Model;
 use super::names::Names;
+use super::parts::Parts;
 use super::pose::Pose;
 use crate::description::mass::Mass;
 use crate::description::{Description, Joint, JointType};
-use crate::import;
-
-/// What a body holds, with that in its `frame` elements: each with the frame's pose in the body.
-pub(super) struct Parts<'a, 'd> {
-    pub(super) node: Node<'a, 'd>,
-    pub(super) inertial: Option<(Node<'a, 'd>, Pose)>,
-    pub(super) geoms: Vec<(Element<'a, 'd>, Pose)>,
-    joints: Vec<(Element<'a, 'd>, Pose)>,
-    /// Bodies, with their class.
-    bodies: Vec<(Node<'a, 'd>, Pose, usize)>,
-}
-
-impl<'a, 'd> Parts<'a, 'd> {
-    fn name(&self) -> Option<&'a str> {
-        self.node.attribute("name").filter(|name| !name.is_empty())
-    }
-
-    /// Of itself and its joints.
-    fn names(&self) -> impl Iterator<Item = &'a str> {
-        let joints = self.joints.iter().map(|(joint, _)| joint.node());
-        std::iter::once(self.node).chain(joints).filter_map(|node| node.attribute("name"))
-    }
-
-    fn read(
-        node: Node<'a, 'd>,
-        class: usize,
-        model: &Model<'a, 'd, '_>,
-    ) -> Result<Self, ImportError> {
-        let (inertial, geoms, joints, bodies) = (None, Vec::new(), Vec::new(), Vec::new());
-        let mut parts = Self { node, inertial, geoms, joints, bodies };
-        let mut to_come = vec![(node, Pose::IDENTITY, class)];
-        while let Some((outer, frame, class)) = to_come.pop() {
-            let mut frames = Vec::new();
-            for node in outer.children().filter(Node::is_element) {
-                match node.tag_name().name() {
-                    "inertial" => {
-                        parts.inertial = Some((node, frame));
-                    }
-                    "geom" => {
-                        parts.geoms.push((model.defaults.element(node, &["geom"], class)?, frame));
-                    }
-                    "joint" | "freejoint" => {
-                        parts
-                            .joints
-                            .push((model.defaults.element(node, &["joint"], class)?, frame));
-                    }
-                    "body" => {
-                        let class = model.defaults.named(node, "childclass", class)?;
-                        parts.bodies.push((node, frame, class));
-                    }
-                    "frame" => {
-                        let class = model.defaults.named(node, "childclass", class)?;
-                        frames.push((node, frame.then(model.angles.pose(node)?), class));
-                    }
-                    _ => {}
-                }
-            }
-            to_come.extend(frames.into_iter().rev());
-        }
-        Ok(parts)
-    }
-}
+use crate::import::error::ImportError;
+use crate::import::imported;
+use crate::import::note::NoteKind;
 
 /// A body that is to be read.
 struct ToCome<'a, 'd> {
@@ -185,7 +127,7 @@ fn inside<'a, 'd>(
 
 /// The base, where the file draws it.
 fn stand(name: &str, floats: bool, pose: Pose, description: &mut Description, notes: &mut Notes) {
-    import::place_base(description, pose.position_m, pose.rotation);
+    imported::place_base(description, pose.position_m, pose.rotation);
     if floats {
         let text = format!(
             "`{name}` floats by a free joint: it is the base, held fast, as on a stand. To drive it freely: \

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use roxmltree::Node;
 
-use super::super::{ImportError, xml};
+use super::super::xml;
+use crate::import::error::ImportError;
 
 /// The classes of a file.
 pub(super) struct Defaults<'a, 'd> {

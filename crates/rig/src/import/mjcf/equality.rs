@@ -6,9 +6,12 @@ use roxmltree::Node;
 
 use super::super::note::{Notes, list};
 use super::super::tie::Tie;
-use super::super::{ImportError, NoteKind, xml};
-use super::{Model, joint};
+use super::super::xml;
+use super::joint;
+use super::model::Model;
 use crate::description::{Description, JointType};
+use crate::import::error::ImportError;
+use crate::import::note::NoteKind;
 
 pub(super) fn read<'a, 'd>(
     root: Node<'a, 'd>,

@@ -3,11 +3,13 @@
 use glam::{DQuat, DVec3};
 
 use super::super::note::Notes;
-use super::super::{ImportError, NoteKind, xml};
-use super::Model;
+use super::super::xml;
 use super::defaults::Element;
+use super::model::Model;
 use super::pose::Pose;
 use crate::description::{Joint, JointType};
+use crate::import::error::ImportError;
+use crate::import::note::NoteKind;
 
 /// A joint in the frame of the body that it moves.
 pub(super) struct MjcfJoint {

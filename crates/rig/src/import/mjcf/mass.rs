@@ -6,77 +6,17 @@ use roxmltree::Node;
 use super::super::mass::MASS_MIN_KG;
 use super::super::note::Notes;
 use super::super::solid::Solid;
-use super::super::{ImportError, NoteKind, xml};
-use super::Model;
-use super::body::Parts;
+use super::super::xml;
 use super::defaults::Element;
-use super::flag;
+use super::model::Model;
+use super::parts::Parts;
 use super::pose::Pose;
 use crate::description::mass::Mass;
-use crate::description::{Description, InertiaMatrix};
+use crate::import::error::ImportError;
+use crate::import::note::NoteKind;
 
 /// Of a geom that says nothing, kg/m³: water.
 const DENSITY: f64 = 1000.0;
-
-/// The compiler's rules on masses.
-pub(super) struct MassRules {
-    /// Whether geoms count: always, never, or where there is no `inertial`.
-    from_geoms: Option<bool>,
-    /// The first and the last group of geoms that count.
-    groups: [f64; 2],
-    balance: bool,
-    least_kg: f64,
-    total_kg: Option<f64>,
-    has_least_inertia: bool,
-}
-
-impl MassRules {
-    pub(super) fn read(compilers: &[Node<'_, '_>]) -> Result<Self, ImportError> {
-        let with = |name: &str| compilers.iter().find(|node| node.has_attribute(name));
-        let number = |name| with(name).map_or(Ok(None), |node| xml::number(*node, name));
-        let from_geoms =
-            match with("inertiafromgeom").and_then(|node| node.attribute("inertiafromgeom")) {
-                Some("auto") => None,
-                _ => flag(compilers, "inertiafromgeom")?,
-            };
-        let groups = with("inertiagrouprange")
-            .map_or(Ok(None), |node| xml::vector(*node, "inertiagrouprange"))?
-            .unwrap_or([0.0, 5.0]);
-        Ok(Self {
-            from_geoms,
-            groups,
-            balance: flag(compilers, "balanceinertia")?.unwrap_or(false),
-            least_kg: number("boundmass")?.unwrap_or(0.0),
-            total_kg: number("settotalmass")?.filter(|total| *total > 0.0),
-            has_least_inertia: number("boundinertia")?.unwrap_or(0.0) > 0.0,
-        })
-    }
-
-    /// What the compiler does to all masses in the end.
-    pub(super) fn settle(&self, description: &mut Description, notes: &mut Notes) {
-        if self.has_least_inertia {
-            notes.add(NoteKind::LeftOut, "the compiler's boundinertia");
-        }
-        let Some(total_kg) = self.total_kg else { return };
-        let sum_kg: f64 = description.bodies.iter().map(|body| body.mass_kg).sum();
-        if sum_kg <= 0.0 {
-            return;
-        }
-        let factor = total_kg / sum_kg;
-        for body in &mut description.bodies {
-            body.mass_kg *= factor;
-            if let Some(inertia) = &mut body.inertia_kg_m2 {
-                let InertiaMatrix { xx, xy, xz, yy, yz, zz } = inertia;
-                for element in [xx, xy, xz, yy, yz, zz] {
-                    *element *= factor;
-                }
-            }
-        }
-        let text =
-            format!("all masses are scaled to {total_kg} kg, by the compiler's settotalmass");
-        notes.add(NoteKind::Changed, text);
-    }
-}
 
 /// What a body weighs, in its own frame.
 pub(super) fn of_body(

@@ -4,7 +4,9 @@ use std::collections::BTreeSet;
 
 use roxmltree::Node;
 
-use super::super::{ImportError, Options, xml};
+use super::super::xml;
+use crate::import::error::ImportError;
+use crate::import::options::Options;
 
 /// Names that are taken.
 pub(super) struct Names {

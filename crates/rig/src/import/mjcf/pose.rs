@@ -3,8 +3,9 @@
 use glam::{DMat3, DQuat, DVec3};
 use roxmltree::Node;
 
-use super::super::{ImportError, xml};
+use super::super::xml;
 use super::defaults::Element;
+use crate::import::error::ImportError;
 
 /// A frame in another.
 #[derive(Debug, Clone, Copy)]

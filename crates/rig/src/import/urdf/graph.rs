@@ -5,9 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use roxmltree::Node;
 
 use super::super::note::{Notes, list};
-use super::super::{ImportError, NoteKind, Options, xml};
+use super::super::xml;
 use super::joint::UrdfJoint;
-use super::loops;
+use crate::import::error::ImportError;
+use crate::import::note::NoteKind;
+use crate::import::options::Options;
 
 /// Links from the base outwards, each branch to its end in the order of the file; joint `i` moves link `i + 1`.
 pub(super) struct Tree<'a, 'd> {
@@ -71,9 +73,7 @@ pub(super) fn tree<'a, 'd>(
         .collect();
     let mut kept: Vec<Option<UrdfJoint<'a, 'd>>> = kept.into_iter().map(Some).collect();
     let joints = in_tree.iter().filter_map(|place| kept[*place].take()).collect();
-    let tree = Tree { links: tree_links, joints };
-    loops::refuse(robot, &tree, options, notes)?;
-    Ok(tree)
+    Ok(Tree { links: tree_links, joints })
 }
 
 /// Parts the joints that the user cuts from the others.

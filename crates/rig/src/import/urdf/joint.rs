@@ -7,9 +7,11 @@ use roxmltree::Node;
 
 use super::super::note::Notes;
 use super::super::tie::Tie;
-use super::super::{ImportError, NoteKind, xml};
+use super::super::xml;
 use super::limits;
 use crate::description::{Joint, JointType};
+use crate::import::error::ImportError;
+use crate::import::note::NoteKind;
 
 /// A joint, and what of it is settled only when all are known.
 pub(super) struct UrdfJoint<'a, 'd> {

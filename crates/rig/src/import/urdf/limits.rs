@@ -3,8 +3,10 @@
 use roxmltree::Node;
 
 use super::super::note::Notes;
-use super::super::{ImportError, NoteKind, xml};
+use super::super::xml;
 use crate::description::{Joint, JointType};
+use crate::import::error::ImportError;
+use crate::import::note::NoteKind;
 
 /// From here on, a limit of speed (rad/s, m/s) or effort (N m, N) stands for "none": no servo comes near.
 const PLACEHOLDER: f64 = 1000.0;

@@ -6,10 +6,12 @@ use roxmltree::Node;
 use super::super::mass::MASS_MIN_KG;
 use super::super::note::{Notes, list};
 use super::super::solid::Solid;
-use super::super::{ImportError, NoteKind, xml};
+use super::super::xml;
 use super::joint::origin;
 use crate::description::Body;
 use crate::description::mass::Mass;
+use crate::import::error::ImportError;
+use crate::import::note::NoteKind;
 
 /// The bodies of links. `balance`: whether inertia that no body can have is replaced; `points`: whether inertia that
 /// nothing gives is that of a point.

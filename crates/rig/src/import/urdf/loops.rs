@@ -8,9 +8,12 @@ use std::collections::BTreeMap;
 use roxmltree::Node;
 
 use super::super::note::{Notes, list};
-use super::super::{ImportError, NoteKind, Options, xml};
+use super::super::xml;
 use super::graph::Tree;
 use crate::description::JointType;
+use crate::import::error::ImportError;
+use crate::import::note::NoteKind;
+use crate::import::options::Options;
 
 /// Refuses a mechanism with closed loops, unless the user takes it as the tree that it was cut to.
 pub(super) fn refuse(

@@ -1,107 +1,22 @@
 //! Distances of poses, curves and geodesics (`hauberg/1`): the first two by the core, geodesics by the host in f64.
 
+mod case;
 mod line;
 
 use glam::{DQuat, DVec3, Vec3};
-use serde::Deserialize;
 use sinew_core::pose_space::{
     BodyPoses, JointCoordinates, LineWorkspace, PoseCoordinates, PoseSpace,
 };
-use sinew_core::projection::JointRange;
-use sinew_core::{Body, Inertia, JointKind, Transform, Tree, Twist, math};
-use sinew_pose_metrics::geodesic::{JointPosition, Options, Rig, RigJoint, solve};
+use sinew_core::{JointKind, Transform, Twist, math};
+use sinew_pose_metrics::geodesic::{JointPosition, Options, solve};
 
-use super::CaseError;
+use super::error::CaseError;
 use super::golden::{Vector, expect_count, largest};
 use super::rounding::{DOUBLE, Number};
 use super::tally::{Quantity, Tallies};
 use super::tolerance as limit;
+use case::{CAPACITY, Case, kind};
 use line::Line;
-
-/// The core's largest capacity.
-const CAPACITY: usize = 128;
-
-#[derive(Deserialize)]
-#[expect(non_snake_case, reason = "as in the files")]
-pub(super) struct Case {
-    parent: Vec<i64>,
-    offset: Vec<Vector>,
-    N: u16,
-    theta0: Vec<Vector>,
-    theta1: Vec<Vector>,
-    F0: Vec<f64>,
-    F1: Vec<f64>,
-    joint_angle_distance: f64,
-    so3_distance: f64,
-    chord: f64,
-    line: GoldenLine,
-    slerp_line: Length,
-    geodesic: Geodesic,
-    ratio_slerp: f64,
-}
-
-#[derive(Deserialize)]
-struct GoldenLine {
-    energy: f64,
-    length: f64,
-    gradient_rotvec: Vec<Vec<Vector>>,
-    gradient_tangent_body: Vec<Vec<Vector>>,
-    theta_mid: Vec<Vector>,
-    #[serde(rename = "F_mid")]
-    f_mid: Vec<f64>,
-}
-
-#[derive(Deserialize)]
-struct Length {
-    energy: f64,
-    length: f64,
-}
-
-#[derive(Deserialize)]
-struct Geodesic {
-    energy: f64,
-    length: f64,
-    #[serde(rename = "F")]
-    f: Vec<Vec<f64>>,
-}
-
-impl Case {
-    fn parent(&self, joint: usize) -> Option<usize> {
-        usize::try_from(self.parent[joint]).ok()
-    }
-
-    fn tree(&self) -> Result<Tree<CAPACITY>, CaseError> {
-        let bodies: Vec<Body> = (0..self.parent.len())
-            .map(|joint| Body {
-                parent: self.parent(joint),
-                joint: kind(joint),
-                placement: Transform::from_translation(self.offset[joint].rounded()),
-                inertia: Inertia::default(),
-                rotor_inertia: 0.0,
-            })
-            .collect();
-        Tree::from_bodies(&bodies).map_err(|error| CaseError::new("parent", error))
-    }
-
-    fn rig(&self) -> Result<Rig, CaseError> {
-        let joints: Vec<RigJoint> = (0..self.parent.len())
-            .map(|joint| RigJoint {
-                parent: self.parent(joint),
-                kind: kind(joint),
-                rotation: DQuat::IDENTITY,
-                offset_m: self.offset[joint].0,
-                range: JointRange::Any,
-                weight: 1.0,
-            })
-            .collect();
-        Rig::new(&joints).map_err(|error| CaseError::new("parent", error))
-    }
-}
-
-/// The root is fixed, all else turns as it likes.
-fn kind(joint: usize) -> JointKind {
-    if joint == 0 { JointKind::Fixed } else { JointKind::Spherical }
-}
 
 pub(super) fn check(name: &str, case: &Case, tallies: &mut Tallies) -> Result<(), CaseError> {
     let count = case.parent.len();

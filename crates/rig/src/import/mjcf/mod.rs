@@ -2,11 +2,14 @@
 
 mod actuator;
 mod body;
+mod compiler;
 mod defaults;
 mod equality;
 mod joint;
 mod mass;
+mod model;
 mod names;
+mod parts;
 mod pose;
 
 use std::collections::BTreeMap;
@@ -14,24 +17,17 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use roxmltree::Node;
 
-use super::note::Notes;
+use super::error::ImportError;
+use super::imported::Imported;
+use super::note::{NoteKind, Notes};
+use super::options::Options;
 use super::world::World;
-use super::{ImportError, Imported, NoteKind, Options, tie, xml};
-use crate::description::{Description, JointType};
-use crate::import;
+use super::{tie, xml};
+use crate::import::imported;
+use compiler::{MassRules, flag};
 use defaults::Defaults;
-use mass::MassRules;
+use model::Model;
 use pose::Angles;
-
-/// What the whole file agrees on.
-struct Model<'a, 'd, 'o> {
-    defaults: Defaults<'a, 'd>,
-    angles: Angles,
-    masses: MassRules,
-    /// Whether a range alone is a limit.
-    auto_limits: bool,
-    options: &'o Options,
-}
 
 pub(super) fn read(text: &str, options: &Options) -> Result<Imported, ImportError> {
     let document = xml::document(text)?;
@@ -53,16 +49,16 @@ pub(super) fn read(text: &str, options: &Options) -> Result<Imported, ImportErro
     };
     let world = World::of(options, gravity(root, &mut notes)?);
 
-    let mut description = import::empty(root.attribute("model"));
+    let mut description = imported::empty(root.attribute("model"));
     world.stand(&mut description, &mut notes);
     body::read(root, &model, &mut description, &mut notes)?;
     model.masses.settle(&mut description, &mut notes);
     actuator::read(root, &model, &mut description, &mut notes)?;
     let ties = equality::read(root, &model, &description, &mut notes)?;
     tie::tie(&ties, &mut description, &mut notes);
-    import::tell_massless(&description, &mut notes);
+    imported::tell_massless(&description, &mut notes);
     tell_unread(root, &mut notes);
-    import::finish(root, world, description, notes)
+    imported::finish(root, world, description, notes)
 }
 
 /// What MuJoCo puts together from several files, or multiplies, before it reads it.
@@ -81,18 +77,6 @@ fn refuse_parts(root: Node<'_, '_>) -> Result<(), ImportError> {
             let expected = "one file with all bodies written out: load it in MuJoCo, then mujoco.mj_saveLastXML";
             Err(xml::refuse(node, expected, format!("`{}`", node.tag_name().name())))
         }
-    }
-}
-
-/// A word of the compiler, `true` or `false`; of several, the first.
-fn flag(compilers: &[Node<'_, '_>], name: &str) -> Result<Option<bool>, ImportError> {
-    let Some(node) = compilers.iter().find(|node| node.has_attribute(name)) else {
-        return Ok(None);
-    };
-    match node.attribute(name).map(str::trim) {
-        Some("true") => Ok(Some(true)),
-        Some("false") => Ok(Some(false)),
-        _ => Err(xml::refuse_value(*node, name, "true or false")),
     }
 }
 
@@ -135,13 +119,4 @@ fn tell_unread(root: Node<'_, '_>, notes: &mut Notes) {
         let text = "sections that say nothing a rig has";
         notes.add_of(NoteKind::LeftOut, text, format!("{}: {count}", xml::shortened(section)));
     }
-}
-
-/// The joint of a name, if it has one dof.
-fn single<'a>(
-    description: &'a mut Description,
-    name: &str,
-) -> Option<&'a mut crate::description::Joint> {
-    let joint = description.joints.iter_mut().find(|joint| joint.name == name)?;
-    matches!(joint.kind, JointType::Revolute | JointType::Prismatic).then_some(joint)
 }

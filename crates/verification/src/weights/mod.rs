@@ -1,19 +1,20 @@
 //! Importance of joints (`weights/1`).
 
+mod case;
 mod rounded;
 
 use std::num::NonZeroU16;
 
-use serde::Deserialize;
 use sinew_core::importance::{
     Importance, ImportanceError, MeshSurface, RestPose, cylinder_samples, cylinder_surface,
     descendants_length,
 };
 
-use super::CaseError;
-use super::golden::{Scalar, Vector, expect_count};
+use super::error::CaseError;
+use super::golden::expect_count;
 use super::rounding::Number;
 use super::tally::{Quantity, Tallies};
+use case::{Case, Expected, Mesh};
 use rounded::Rounded;
 
 /// What the core's rule for the surface of a cylinder leaves out, over the mean distance.
@@ -21,61 +22,6 @@ const LEFT_OUT: f64 = 1.6e-7;
 
 /// The largest skeleton that is taken: what the core's sets hold.
 const JOINTS: usize = 128;
-
-#[derive(Deserialize)]
-pub(super) struct Case {
-    parent: Vec<i64>,
-    pos: Vec<Vector>,
-    radius: Vec<Scalar>,
-    descendant_matrix: Vec<Vec<u8>>,
-    descendants_length: Vec<Lengths>,
-    cylinder_exact: Cylinders,
-    cylinder_sampled: Samples,
-    mesh: Mesh,
-}
-
-/// Weights, as summed and with a sum of 1.
-#[derive(Deserialize)]
-struct Expected {
-    raw: Vec<f64>,
-    normalised: Vec<f64>,
-}
-
-#[derive(Deserialize)]
-struct Lengths {
-    base: Scalar,
-    discount: Scalar,
-    #[serde(flatten)]
-    expected: Expected,
-}
-
-#[derive(Deserialize)]
-struct Cylinders {
-    base: Scalar,
-    #[serde(flatten)]
-    expected: Expected,
-}
-
-#[derive(Deserialize)]
-struct Samples {
-    base: Scalar,
-    /// The same for every bone.
-    uv: Vec<[Scalar; 2]>,
-    #[serde(flatten)]
-    expected: Expected,
-}
-
-#[derive(Deserialize)]
-struct Mesh {
-    base: Scalar,
-    vertices: Vec<Vector>,
-    vertex_area: Vec<Scalar>,
-    /// Joints and skinning weights, by vertex.
-    bind: Vec<Vec<usize>>,
-    weight: Vec<Vec<Scalar>>,
-    #[serde(flatten)]
-    expected: Expected,
-}
 
 pub(super) fn check(name: &str, case: &Case, tallies: &mut Tallies) -> Result<(), CaseError> {
     let count = case.parent.len();

@@ -1,72 +1,20 @@
 //! Inverse dynamics, mass matrix and kinematics (`rnea/1`), and forward dynamics, the core's and the plant's.
 
+mod case;
 mod core_forward;
 mod forward;
 
-use glam::{DQuat, DVec3};
-use serde::Deserialize;
+use glam::DVec3;
 use sinew_core::dynamics::{BodyMotion, CompositeBody, dof_count, inverse_dynamics, mass_matrix};
 use sinew_core::glam::Vec3;
 use sinew_core::{BodyState, JointState, Twist, Wrench, kinematics};
 
-use super::CaseError;
-use super::figure::{self, GoldenBody, Root, Tree, joint_state, links, tree};
-use super::golden::{Rotation, Scalar, Vector, expect_count, largest};
+use super::error::CaseError;
+use super::figure::{self, Root, Tree, joint_state, links, tree};
+use super::golden::{Scalar, Vector, angle_between, expect_count, largest};
 use super::rounding::{self, Joint, Link, Motion, body_states};
 use super::tally::{Quantity, Tallies};
-
-#[derive(Deserialize)]
-pub(super) struct Case {
-    n: usize,
-    root: Root,
-    gravity: Vector,
-    bodies: Vec<GoldenBody>,
-    states: Vec<State>,
-}
-
-#[derive(Deserialize)]
-struct State {
-    kind: String,
-    quat: Vec<Rotation>,
-    omega: Vec<Vector>,
-    alpha: Vec<Vector>,
-    #[serde(flatten)]
-    root: Option<RootMotion>,
-    tau: Vec<Vector>,
-    bias: Vec<Vector>,
-    gravity_term: Vec<Vector>,
-    root_wrench: RootWrench,
-    #[serde(rename = "H_lower")]
-    mass_matrix_lower: Option<Vec<Scalar>>,
-    world: Option<Vec<WorldState>>,
-}
-
-/// What only a free root has.
-#[derive(Deserialize, Clone, Copy)]
-struct RootMotion {
-    root_pos: Vector,
-    root_lin_vel_body: Vector,
-    root_lin_vel_world: Vector,
-    root_lin_acc_world: Vector,
-    bias_root_force_body: Vector,
-    gravity_root_force_body: Vector,
-}
-
-#[derive(Deserialize)]
-struct RootWrench {
-    moment_body: Vector,
-    force_body: Vector,
-    moment_world_about_origin0: Vector,
-    force_world: Vector,
-}
-
-#[derive(Deserialize)]
-struct WorldState {
-    pos: Vector,
-    quat: Rotation,
-    omega: Vector,
-    vel: Vector,
-}
+use case::{Case, State, WorldState, accelerations, bias_accelerations};
 
 pub(super) fn check(name: &str, case: &Case, tallies: &mut Tallies) -> Result<(), CaseError> {
     let tree = tree(case.n, case.root, &case.bodies)?;
@@ -261,26 +209,6 @@ fn joint_states(case: &Case, tree: &Tree, state: &State) -> Result<Vec<JointStat
         .collect()
 }
 
-/// Accelerations of the joints, angular and linear; a free root's is classical in the core, so it is turned from the
-/// world.
-fn accelerations(state: &State) -> Vec<[DVec3; 2]> {
-    let mut motions: Vec<_> = state.alpha.iter().map(|alpha| [alpha.0, DVec3::ZERO]).collect();
-    if let Some(root) = &state.root {
-        motions[0][1] = state.quat[0].0.inverse() * root.root_lin_acc_world.0;
-    }
-    motions
-}
-
-/// Accelerations of zero in the files' coordinates: the derivative of the components in body axes of a
-/// free root's velocity is zero, its classical acceleration is not.
-fn bias_accelerations(state: &State) -> Vec<[DVec3; 2]> {
-    let mut motions = vec![[DVec3::ZERO; 2]; state.alpha.len()];
-    if let Some(root) = &state.root {
-        motions[0][1] = state.omega[0].0.cross(root.root_lin_vel_body.0);
-    }
-    motions
-}
-
 fn twists(motions: Vec<[DVec3; 2]>) -> Vec<Twist> {
     let twist = |[angular, linear]: [DVec3; 2]| Twist::new(angular.as_vec3(), linear.as_vec3());
     motions.into_iter().map(twist).collect()
@@ -464,10 +392,4 @@ fn check_world(
         }
     }
     Ok(())
-}
-
-/// Angle between two orientations, rad; exact for small ones too.
-pub(super) fn angle_between(a: DQuat, b: DQuat) -> f64 {
-    let between = a.normalize() * b.normalize().inverse();
-    2.0 * DVec3::new(between.x, between.y, between.z).length().atan2(between.w.abs())
 }

@@ -11,11 +11,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DQuat;
 use roxmltree::Node;
 
-use super::note::{Notes, list};
+use super::error::ImportError;
+use super::imported::Imported;
+use super::note::{NoteKind, Notes, list};
+use super::options::Options;
 use super::world::World;
-use super::{ImportError, Imported, NoteKind, Options, tie, xml};
+use super::{tie, xml};
 use crate::description::{Description, JointType};
-use crate::import;
+use crate::import::imported;
 use joint::UrdfJoint;
 
 pub(super) fn read(text: &str, options: &Options) -> Result<Imported, ImportError> {
@@ -40,10 +43,11 @@ pub(super) fn read(text: &str, options: &Options) -> Result<Imported, ImportErro
         .map(|joint| UrdfJoint::read(*joint, &places, &mut notes))
         .collect::<Result<_, _>>()?;
     let tree = graph::tree(robot, &links, joints, options, &mut notes)?;
+    loops::refuse(robot, &tree, options, &mut notes)?;
 
     let balance = options.repair_inertia || balances_inertia(robot);
     let bodies = link::bodies(&tree.links, balance, options.repair_inertia, &mut notes)?;
-    let mut description = import::empty(robot.attribute("name"));
+    let mut description = imported::empty(robot.attribute("name"));
     description.bodies = bodies;
     description.joints = tree.joints.iter().map(|joint| joint.joint.clone()).collect();
     let world = World::of(options, None);
@@ -57,9 +61,9 @@ pub(super) fn read(text: &str, options: &Options) -> Result<Imported, ImportErro
     tie::tie(&ties, &mut description, &mut notes);
     limits::doubt(&mut description.joints, &mut notes);
     tell_actuators(robot, &description, &mut notes);
-    import::tell_massless(&description, &mut notes);
+    imported::tell_massless(&description, &mut notes);
     tell_unread(robot, &tree.links, &tree.joints, &mut notes);
-    import::finish(robot, world, description, notes)
+    imported::finish(robot, world, description, notes)
 }
 
 /// Where elements stand in their list, by name.
@@ -114,7 +118,7 @@ fn stand(description: &mut Description, notes: &mut Notes) {
     let Some(place) = on_base(&base.name) else { return };
     let joint = description.joints.remove(place);
     let base = description.bodies.remove(0);
-    import::place_base(
+    imported::place_base(
         description,
         joint.position_m.into(),
         DQuat::from_array(joint.rotation_xyzw),

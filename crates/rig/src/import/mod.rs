@@ -1,0 +1,74 @@
+//! Robots of other programs as rigs: URDF (ROS) and MJCF (MuJoCo).
+//!
+//! What was changed, filled, left out or is doubtful is told in [`Imported::notes`], in words. What cannot be imported
+//! is refused by line, column and name.
+
+mod error;
+mod imported;
+mod mass;
+mod mjcf;
+mod note;
+mod options;
+mod solid;
+mod tie;
+mod urdf;
+mod world;
+mod xml;
+
+pub use error::{ImportError, Place};
+pub use imported::Imported;
+pub use note::{Note, NoteKind};
+pub use options::Options;
+pub use world::World;
+pub use xml::document;
+
+/// Reads a URDF (the Unified Robot Description Format of ROS).
+///
+/// Every link is a body, and every joint a joint; welded ones too. A joint that mimics another stays a joint, and a
+/// [`LinkedLimit`](crate::description::LinkedLimit) with equal ends ties it to the other.
+///
+/// # Errors
+/// [`ImportError`] if the text is no XML or no robot, if its links are no tree, or a value cannot be.
+///
+/// ```
+/// let text = r#"<robot name="nod">
+///   <link name="stand"/>
+///   <link name="head">
+///     <inertial><mass value="0.2"/><inertia ixx="1e-4" iyy="1e-4" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial>
+///   </link>
+///   <joint name="neck" type="revolute">
+///     <parent link="stand"/><child link="head"/><axis xyz="0 1 0"/>
+///     <limit lower="-0.5" upper="0.5" effort="0.4" velocity="6"/>
+///   </joint>
+/// </robot>"#;
+/// let imported = sinew_rig::import::urdf(text, &Default::default())?;
+/// let neck = &imported.description.joints[0];
+/// assert_eq!((neck.axis, neck.effort), (Some([0.0, 1.0, 0.0]), Some(0.4)));
+/// # Ok::<(), sinew_rig::import::ImportError>(())
+/// ```
+pub fn urdf(text: &str, options: &Options) -> Result<Imported, ImportError> {
+    urdf::read(text, options)
+}
+
+/// Reads an MJCF (the format of MuJoCo).
+///
+/// Every body is a body; one with several joints is a chain, with bodies without mass between. The body at the top is
+/// the base. What rotors add (`armature`) is each joint's rotor inertia, the largest forces of its actuators are its
+/// effort, and an equality of two joints ties them as in [`urdf`].
+///
+/// # Errors
+/// [`ImportError`] if the text is no XML or no model, has parts in other files, closed loops, or a value cannot be.
+///
+/// ```
+/// let text = r#"<mujoco model="nod"><worldbody><body name="stand"><body name="head">
+///   <joint name="neck" axis="0 1 0" range="-30 30" armature="0.01"/>
+///   <geom type="box" size="0.03 0.02 0.04" pos="0 0 0.05"/>
+/// </body></body></worldbody></mujoco>"#;
+/// let imported = sinew_rig::import::mjcf(text, &Default::default())?;
+/// let neck = &imported.description.joints[0];
+/// assert_eq!((neck.axis, neck.rotor_inertia), (Some([0.0, 1.0, 0.0]), Some(0.01)));
+/// # Ok::<(), sinew_rig::import::ImportError>(())
+/// ```
+pub fn mjcf(text: &str, options: &Options) -> Result<Imported, ImportError> {
+    mjcf::read(text, options)
+}
