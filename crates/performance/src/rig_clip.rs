@@ -7,7 +7,7 @@ use sinew_figure::plant::Pose;
 use sinew_retarget::feasibility::{Curve, Fit, MotionError, RigMotion};
 use sinew_rig::Mechanism;
 
-use super::take_over::TakenOver;
+use super::retargeted_clip::RetargetedClip;
 
 /// A clip that a rig has taken over, at the rate of control.
 #[derive(Debug, Clone)]
@@ -16,7 +16,7 @@ pub struct RigClip {
     rig: String,
     mechanism: Arc<Mechanism>,
     motion: RigMotion,
-    taken: Arc<TakenOver>,
+    taken: Arc<RetargetedClip>,
     /// Time in the clip of every frame, s.
     clip_s: Vec<f64>,
 }
@@ -29,7 +29,7 @@ impl RigClip {
     pub fn new(
         [name, rig]: [&str; 2],
         mechanism: &Arc<Mechanism>,
-        taken: &Arc<TakenOver>,
+        taken: &Arc<RetargetedClip>,
         fit: Option<&Fit>,
         rate_hz: f64,
     ) -> Result<Self, MotionError> {

@@ -5,7 +5,8 @@ use sinew_link::message::{
     Welcome,
 };
 use sinew_link::{Decoder, FRAME_MAX, Sender, encode};
-use sinew_qemu_node::message::{End, LINE_AT_ONCE, TakeError, ToHost, ToNode};
+use sinew_qemu_node::limits::LINE_AT_ONCE;
+use sinew_qemu_node::message::{End, TakeError, ToHost, ToNode};
 
 use super::emulator::Emulator;
 use super::error::QemuError;

@@ -6,8 +6,8 @@ use sinew_firmware::node::{RIG_SCHEMA, SETTINGS_SCHEMA, SHOW_SCHEMA};
 use sinew_link::message::{Item, Kind};
 use sinew_performance::play::Parts;
 use sinew_qemu_node::built_in::{BuiltIn, Rig};
+use sinew_qemu_node::limits::{CAPACITY, LINES, RIG_ROOM};
 use sinew_qemu_node::message::ToNode;
-use sinew_qemu_node::node::{CAPACITY, LINES, RIG_ROOM};
 
 use super::error::QemuError;
 use super::node::Node;

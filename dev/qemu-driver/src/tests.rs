@@ -7,10 +7,11 @@ use std::rc::Rc;
 use std::thread;
 
 use sinew_firmware::supervisor::FaultSet;
-use sinew_performance::play::{Director, Drive, Ended, Memory, Options, Parts, Stand};
+use sinew_performance::play::{Director, Drive, Ended, Memory, Options, Parts, SimulatedRig};
 use sinew_performance::{Baker, Marks};
+use sinew_qemu_node::limits::FLASH_LEN;
 use sinew_qemu_node::message::{Bytes, End};
-use sinew_qemu_node::node::{self, FLASH_LEN};
+use sinew_qemu_node::node;
 use sinew_retarget::feasibility::RigMotion;
 use sinew_rig::new::arm;
 use sinew_rig::{Description, Mechanism};
@@ -77,22 +78,22 @@ impl Swing {
         Self { show: show.unwrap().written.bytes, rig, mechanism, parts }
     }
 
-    fn stand<'a>(&'a self, memories: &'a mut [Memory]) -> Stand<'a, RigPlant> {
+    fn sim<'a>(&'a self, memories: &'a mut [Memory]) -> SimulatedRig<'a, RigPlant> {
         let plant = self.parts.plant(&self.rig, &self.mechanism).unwrap();
-        Stand::new(&self.parts, Some(&self.show), memories, plant).unwrap()
+        SimulatedRig::new(&self.parts, Some(&self.show), memories, plant).unwrap()
     }
 }
 
 /// Plays to the end, or to the first tick in which the peer is not the same.
-fn played(stand: &mut Stand<'_, RigPlant>, peer: Option<&Shared>) -> Result<Ended, QemuError> {
+fn played(sim: &mut SimulatedRig<'_, RigPlant>, peer: Option<&Shared>) -> Result<Ended, QemuError> {
     let mut director = Director::default();
     loop {
-        let ended = director.tick(stand, false);
+        let ended = director.tick(sim, false);
         peer.map(|peer| peer.borrow().compared()).transpose()?;
         if let Some(ended) = ended {
             return Ok(ended);
         }
-        assert!(stand.time_s() < 30.0, "it does not end");
+        assert!(sim.time_s() < 30.0, "it does not end");
     }
 }
 
@@ -102,12 +103,12 @@ fn a_whole_node_says_on_both_lines_what_the_controller_says() {
         let swing = Swing::new(drive);
         let mut memories: [Vec<Memory>; 2] = [vec![[0; MEMORY_LEN]; 3], vec![[0; MEMORY_LEN]; 3]];
         let [alone, with_peer] = &mut memories;
-        let mut alone = swing.stand(alone);
+        let mut alone = swing.sim(alone);
         let peer = here(&swing.parts, &swing.show).unwrap();
-        let mut stand = swing.stand(with_peer).with_peer(peer.clone());
+        let mut sim = swing.sim(with_peer).with_peer(peer.clone());
         assert_eq!(played(&mut alone, None).unwrap(), Ended::Done);
-        assert_eq!(played(&mut stand, Some(&peer)).unwrap(), Ended::Done);
-        assert_eq!(stand.wires(), alone.wires());
+        assert_eq!(played(&mut sim, Some(&peer)).unwrap(), Ended::Done);
+        assert_eq!(sim.wires(), alone.wires());
         let [ticks, packets] = peer.borrow().compared().unwrap();
         assert_eq!(ticks, alone.ticks());
         // Each line says something in each tick.
@@ -123,8 +124,8 @@ fn a_node_that_is_not_the_same_is_noticed() {
     assert_ne!(other.rate_hz, swing.parts.rate_hz);
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; 3];
     let peer = here(&other, &swing.show).unwrap();
-    let mut stand = swing.stand(&mut memories).with_peer(peer.clone());
-    let refused = played(&mut stand, Some(&peer)).unwrap_err();
+    let mut sim = swing.sim(&mut memories).with_peer(peer.clone());
+    let refused = played(&mut sim, Some(&peer)).unwrap_err();
     assert!(matches!(refused, QemuError::Differs { tick: 1.., .. }), "{refused}");
     // It stays so, however often somebody asks.
     assert_eq!(peer.borrow().compared().unwrap_err().to_string(), refused.to_string());

@@ -9,7 +9,7 @@ use sinew_servo_bus::dynamixel::{self, table::MODELS};
 use sinew_servo_bus::feetech::{self, Family};
 use sinew_servo_bus::{Schedule, Timing};
 
-use crate::node::CAPACITY;
+use crate::limits::CAPACITY;
 
 const COUNT: u32 = 6;
 

@@ -5,12 +5,12 @@ use serde::{Deserialize, Serialize};
 use sinew_core::tracker::Settings as TrackerSettings;
 use sinew_firmware::controller::{ControllerSettings, ServoSetup};
 use sinew_servo_bus::Schedule;
-use sinew_wiring::{Bus, LINES, Lines as AnyLines, Wiring};
+use sinew_wiring::{Bus, Lines as AnyLines, Wiring};
 
 pub use sinew_wiring::{Dynamixel, Line, LineServo, Protocol, Servo};
 
 use crate::arm::{self, Kind};
-use crate::node::CAPACITY;
+use crate::limits::{CAPACITY, LINES};
 
 /// What the node drives.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -38,7 +38,7 @@ pub struct Rig {
 
 /// All that was said of it.
 #[expect(clippy::large_enum_variant, reason = "an image has no heap, and there is one")]
-pub(crate) enum Said {
+pub(crate) enum Received {
     Arm(Kind),
     Rig { rig: Rig, lines: Vec<Line, LINES>, servos: Vec<Servo, CAPACITY> },
 }
@@ -54,7 +54,7 @@ pub(crate) struct Parts {
     pub(crate) lines: Lines,
 }
 
-impl Said {
+impl Received {
     pub(crate) fn parts(&self) -> Parts {
         match self {
             Self::Arm(kind) => {

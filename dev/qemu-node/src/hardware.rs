@@ -12,8 +12,8 @@ use sinew_firmware::watchdog::Complete;
 use sinew_servo_bus::Request;
 
 use crate::built_in::Lines;
+use crate::limits::LINE_IN_STEP;
 use crate::message::{Bytes, End, Packets, TakeError, ToHost, ToNode};
-use crate::node::LINE_IN_STEP;
 
 /// Room for the packets of a line at once.
 const OUT_LEN: usize = 2048;

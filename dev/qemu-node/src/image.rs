@@ -16,7 +16,7 @@ use sinew_qemu_node::node::{self, IS_ORDERED};
 use static_cell::ConstStaticCell;
 
 use crate::files;
-use crate::kept::PersistentRam;
+use crate::persistent_ram::PersistentRam;
 
 #[entry]
 fn main() -> ! {
@@ -25,9 +25,9 @@ fn main() -> ! {
         input: files::open(c"/dev/stdin", files::READ).expect("QEMU has an input"),
         output: files::open(c"/dev/stdout", files::WRITE).expect("QEMU has an output"),
     };
-    let kept = PersistentRam::take();
-    let causes = causes(false, false, kept.take_panic());
-    node::run(&mut End::new(host), causes, &mut kept.flash, LENT.take())
+    let persistent_ram = PersistentRam::take();
+    let causes = causes(false, false, persistent_ram.take_panic());
+    node::run(&mut End::new(host), causes, &mut persistent_ram.flash, LENT.take())
 }
 
 /// The host's files.

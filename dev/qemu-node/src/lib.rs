@@ -10,6 +10,7 @@
 //!
 //! - [`built_in`]: what a board of a rig has built in: how its servos are driven, and its lines;
 //! - [`arm`]: the same of the rig that tests move;
+//! - [`limits`]: its sizes;
 //! - [`message`]: what the two say to each other;
 //! - [`node`]: the node over that, from one power-on to the next.
 
@@ -20,5 +21,6 @@
 pub mod arm;
 pub mod built_in;
 mod hardware;
+pub mod limits;
 pub mod message;
 pub mod node;

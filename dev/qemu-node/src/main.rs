@@ -8,7 +8,7 @@ mod files;
 #[cfg(target_os = "none")]
 mod image;
 #[cfg(target_os = "none")]
-mod kept;
+mod persistent_ram;
 
 #[cfg(not(target_os = "none"))]
 fn main() {}

@@ -15,9 +15,6 @@ use crate::built_in::{BuiltIn, Line, Servo};
 /// Room for the longest message.
 const ROOM: usize = 4096;
 
-/// Bytes of the host's line that may come in a tick.
-pub const LINE_AT_ONCE: usize = 1024;
-
 /// What the node is told.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum ToNode<'a> {
@@ -64,7 +61,7 @@ pub enum ToNode<'a> {
         now_us: u64,
         /// How many.
         steps: u32,
-        /// What waits on the line of the link, at most [`LINE_AT_ONCE`] bytes.
+        /// What waits on the line of the link, at most [`LINE_AT_ONCE`](crate::limits::LINE_AT_ONCE) bytes.
         line: &'a [u8],
     },
     /// The program stops itself, by a panic. The image resets its board then, with its flash as it is, and asks for

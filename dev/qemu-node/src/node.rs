@@ -14,18 +14,10 @@ use sinew_link::message::{About, Capacities, Release, Version};
 use sinew_storage::{Area, BoardTable, Capacity};
 use sinew_wiring::AllLines;
 
-use crate::built_in::{BuiltIn, Said};
+use crate::built_in::{BuiltIn, Received};
 use crate::hardware::{Chip, HostPort, Pins, Servos, ShowBuffer, SingleThreaded, put, take};
-use crate::message::{Bytes, End, LINE_AT_ONCE, LoopMessage, ToHost, ToNode};
-
-/// Bodies, dofs and servos that it holds.
-pub const CAPACITY: usize = 40;
-
-/// Coordinates that it holds: a ball joint has four for three dofs.
-pub const COORDINATES: usize = CAPACITY + CAPACITY / 3;
-
-/// Lines of servos that it has.
-pub const LINES: usize = sinew_wiring::LINES;
+use crate::limits::{CAPACITY, COORDINATES, LINE_AT_ONCE, LINE_BPS, RIG_ROOM};
+use crate::message::{Bytes, End, LoopMessage, ToHost, ToNode};
 
 /// What the arm's board says that it holds.
 const OF_ARM: u16 = 8;
@@ -55,9 +47,6 @@ const OF_RIGS: BoardTable = BoardTable {
 };
 
 const SECTOR_LEN: u32 = 0x4000;
-
-/// Bytes up to the end of the last slot.
-pub const FLASH_LEN: usize = 0x8_C000;
 
 #[expect(clippy::cast_possible_truncation, reason = "they are small")]
 const fn rounded(count: usize) -> u16 {
@@ -92,15 +81,6 @@ const ABOUT_RIGS: About = About {
     ..ABOUT
 };
 
-/// What the line to the host carries, bit/s.
-pub const LINE_BPS: u32 = 1_000_000;
-
-/// Bytes that the line takes in a step.
-pub const LINE_IN_STEP: usize = 200;
-
-/// Room for the longest rig in its compact form.
-pub const RIG_ROOM: usize = 16_384;
-
 /// The number of the first session after so many starts.
 pub fn first_session(starts: u16) -> u16 {
     starts.wrapping_mul(100)
@@ -108,7 +88,7 @@ pub fn first_session(starts: u16) -> u16 {
 
 /// Runs a node from its power-on, as often as it begins anew.
 ///
-/// `causes`: why the board starts. With none it is new, and its flash blank. `flash`: [`FLASH_LEN`] bytes. `lent`: room
+/// `causes`: why the board starts. With none it is new, and its flash blank. `flash`: [`FLASH_LEN`](crate::limits::FLASH_LEN) bytes. `lent`: room
 /// for all shows that are loaded from one start to the next.
 ///
 /// # Panics
@@ -143,9 +123,9 @@ pub fn bits(faults: FaultSet) -> u32 {
     faults.iter().fold(0, |bits, fault| bits | bit(fault))
 }
 
-fn built_in<B: Bytes<Error = Infallible>>(host: &mut End<B>) -> Said {
+fn built_in<B: Bytes<Error = Infallible>>(host: &mut End<B>) -> Received {
     let rig = match take(host) {
-        ToNode::PowerOn(BuiltIn::Arm(kind)) => return Said::Arm(kind),
+        ToNode::PowerOn(BuiltIn::Arm(kind)) => return Received::Arm(kind),
         ToNode::PowerOn(BuiltIn::Rig(rig)) => rig,
         other => panic!("{other:?} before power-on"),
     };
@@ -158,11 +138,11 @@ fn built_in<B: Bytes<Error = Infallible>>(host: &mut End<B>) -> Said {
         ToNode::Servo(servo) => servo,
         other => panic!("{other:?} in place of a servo"),
     });
-    Said::Rig { rig, lines, servos: servos.collect() }
+    Received::Rig { rig, lines, servos: servos.collect() }
 }
 
 fn until_restart<B: Bytes<Error = Infallible>>(
-    said: &Said,
+    said: &Received,
     (starts, causes): (u16, FaultSet),
     host: &mut End<B>,
     flash: &mut [u8],
@@ -174,8 +154,8 @@ fn until_restart<B: Bytes<Error = Infallible>>(
     let parts = said.parts();
     let defaults = NodeSettings::new(parts.settings, parts.schedule);
     let (table, about) = match said {
-        Said::Arm(_) => (TABLE, ABOUT),
-        Said::Rig { .. } => (OF_RIGS, ABOUT_RIGS),
+        Received::Arm(_) => (TABLE, ABOUT),
+        Received::Rig { .. } => (OF_RIGS, ABOUT_RIGS),
     };
     let mut slot = MaybeUninit::uninit();
     let found = start::<_, CAPACITY, CAPACITY, CAPACITY>(

@@ -1,6 +1,5 @@
 //! `sinew bake`: a show for a board.
 
-use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -8,17 +7,14 @@ use anyhow::bail;
 use sinew_host_util::command::{note, print};
 use sinew_host_util::output;
 use sinew_performance::rig::Loaded;
-use sinew_performance::{
-    BakeError, Baked, Baker, CHECK_HZ, Marks, Played, course, feasibility, led, rig_hash,
-};
+use sinew_performance::{Baked, Played, RigPerformance, ShowChoices, feasibility, led, rig_hash};
 use sinew_report::feasibility::Page;
-use sinew_retarget::feasibility::{check, looped};
 use sinew_show::write::Settings as ShowSettings;
 use sinew_show::{Show, TimeCode, TimeCodeKind};
 
 use super::clips::seconds;
-use super::performance::{ON_STAND, OnRig, Performed};
-use super::told::ToldArgs;
+use super::performance::{ON_STAND, PerformanceArgs};
+use super::unit_args::UnitArgs;
 
 /// Bake a clip into a show, the file that a board plays.
 ///
@@ -41,10 +37,10 @@ pub(super) struct Args {
     mapping: Option<PathBuf>,
 
     #[command(flatten)]
-    on_rig: OnRig,
+    on_rig: PerformanceArgs,
 
     #[command(flatten)]
-    told: ToldArgs,
+    units: UnitArgs,
 
     /// Maximum error of the encoded joint angles, in degrees.
     #[arg(long, value_name = "DEG", default_value_t = 0.25, value_parser = error)]
@@ -102,48 +98,26 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     let rig = on_rig.rig(rig, ON_STAND)?;
     let clip = Path::new(&args.clip);
     let mapping = args.mapping.as_deref();
-    let mut performed = on_rig.perform(&rig, clip, mapping, args.seconds, (ON_STAND, args.told))?;
+    let mut performance =
+        on_rig.perform(&rig, clip, mapping, args.seconds, (ON_STAND, args.units))?;
     let settings =
         ShowSettings { angle_rad: args.tolerance_deg.to_radians(), ..ShowSettings::default() };
     let (hash, why_not) = rig_hash(&rig.description, &rig.mechanism);
     if let Some(line) = why_not {
         note(format_args!("note: {line}"));
     }
-    let (mechanism, limits, given) = (&rig.mechanism, &performed.limits, &performed.taken.motion);
-    let baker = Baker { mechanism, rig: hash, settings };
-    let marks =
-        |cues, course| Marks { cues, time_code: args.time_code, course, is_loop: args.is_loop };
-    // Cues out of the clip are refused before the work.
-    let cues = performed.cues(None, &args.cue)?;
-    let (baked, report) = match performed.fit.take() {
-        None => {
-            let baked = baker.bake(given, &marks(cues, Vec::new()))?;
-            let report = check(mechanism, limits, &Played::new(&baked.written.bytes)?, CHECK_HZ)?;
-            (baked, report)
-        }
-        Some(fit) => {
-            let (fit, baked, report) = baker.bake_within(limits, given, fit, |fit| {
-                let course = args.time_code.map(|code| course(fit, code)).unwrap_or_default();
-                let cues = performed.cues(Some(fit), &args.cue).unwrap_or_default();
-                // A fit knows nothing of loops: what it did to one end and not to the other is little, and is mended.
-                let closed = |blend_s| looped(mechanism, &fit.motion, blend_s);
-                let closed = on_rig.blend_s.map(closed).transpose().map_err(BakeError::Loop)?;
-                let motion =
-                    closed.map_or(Cow::Borrowed(&fit.motion), |looped| Cow::Owned(looped.motion));
-                Ok((motion, marks(cues, course)))
-            })?;
-            performed.fit = Some(fit);
-            (baked, report)
-        }
-    };
+    let mechanism = &rig.mechanism;
+    let choices =
+        ShowChoices { rig_crc: hash, settings, cues: &args.cue, time_code: args.time_code };
+    let (baked, report) = performance.bake(mechanism, &choices)?;
     output::write(&args.output, &baked.written.bytes)?;
-    let (head, done) = (head(args, &rig, &performed, &baked), performed.done());
+    let (head, done) = (head(args, &rig, &performance, &baked), performance.fit_summary());
     if let Some(file) = &args.html {
         let page = Page {
             rig: &rig.description.name,
-            clip: &performed.name,
+            clip: &performance.name,
             mechanism,
-            limits: &performed.limits,
+            limits: &performance.limits,
             report: &report,
             performance: &Played::new(&baked.written.bytes)?,
             fitted: done.as_deref(),
@@ -153,41 +127,42 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
         note(format_args!("wrote {}", file.display()));
     }
     let rounding = [settings.angle_rad, settings.length_m];
-    let text = feasibility(mechanism, &performed.limits, &report, rounding);
+    let text = feasibility(mechanism, &performance.limits, &report, rounding);
     let done = done.map_or_else(String::new, |done| format!("\nFitted: {done}"));
     print(&format!("{head}\n{text}{done}"))?;
     Ok(ExitCode::SUCCESS)
 }
 
 /// What was written.
-fn head(args: &Args, rig: &Loaded, performed: &Performed, baked: &Baked) -> String {
+fn head(args: &Args, rig: &Loaded, performance: &RigPerformance, baked: &Baked) -> String {
     let written = &baked.written;
-    let given_s = performed.taken.motion.duration_s();
+    let given_s = performance.clip.motion.duration_s();
     let slower = if baked.duration_s > given_s {
         format!(" (the clip: {given_s:.2} s)")
     } else {
         String::new()
     };
-    let likeness = performed.likeness(&rig.mechanism).map_or_else(String::new, |[mean, most]| {
-        format!(
-            "{} limbs: {mean:.1} deg off the performer's in the mean, {most:.1} at most\n",
-            performed.taken.limbs
-        )
-    });
+    let likeness =
+        performance.limb_errors_deg(&rig.mechanism).map_or_else(String::new, |[mean, most]| {
+            format!(
+                "{} limbs: {mean:.1} deg off the performer's in the mean, {most:.1} at most\n",
+                performance.clip.limbs
+            )
+        });
     let cue = |(name, given_s): &(String, f64)| {
-        let show_s = performed.time_s(*given_s);
+        let show_s = performance.time_s(*given_s);
         format!("cue {name}: at {given_s:.2} s of the clip, {show_s:.2} s of the show\n")
     };
     let cues: String = args.cue.iter().map(cue).collect();
     let looped =
-        performed.looped.as_ref().map_or_else(String::new, |looped| led(&rig.mechanism, looped));
+        performance.looped.as_ref().map_or_else(String::new, |looped| led(&rig.mechanism, looped));
     let code = clock(&baked.written.bytes);
     let minutes = |kb: usize| format!("{:.1} min in {kb} kB", baked.minutes_in(1000 * kb));
     format!(
         "{}: {} on {}, {:.2} s{slower}, {} degrees of freedom\n{likeness}{} bytes, {} knots; error at most {:.3} deg and {:.2} mm, \
          RMS {:.3} deg and {:.2} mm\nroom for such motion: {}, {}, {}\n{looped}{cues}{code}",
         args.output.display(),
-        performed.name,
+        performance.name,
         rig.description.name,
         baked.duration_s,
         baked.dofs,

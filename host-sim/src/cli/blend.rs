@@ -20,7 +20,7 @@ use sinew_report::blend as picture;
 
 use super::clips::seconds;
 use super::find::{self, ensure_room, frames};
-use super::told::ToldArgs;
+use super::unit_args::UnitArgs;
 
 /// Blend one clip into another where their poses are nearest, and write the motion as BVH.
 ///
@@ -73,7 +73,7 @@ pub(super) struct Args {
     mapping: Option<PathBuf>,
 
     #[command(flatten)]
-    told: ToldArgs,
+    units: UnitArgs,
 
     /// What to print.
     #[arg(long, value_enum, default_value_t = Format::Text)]
@@ -121,7 +121,7 @@ impl Args {
         ];
         output::distinct(&written, &read)?;
         let mapping = self.mapping.as_deref().map(Mapping::named).transpose()?;
-        let settings = Settings { mapping, told: self.told.told(), ..Settings::default() };
+        let settings = Settings { mapping, told: self.units.overrides(), ..Settings::default() };
         let read = |reference: &Reference| -> anyhow::Result<(LoadedClip, (usize, usize))> {
             let file = ClipFile::new(&reference.file);
             let (recorded, notices) = load_clip(&file, &settings)?;

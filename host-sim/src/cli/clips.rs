@@ -15,8 +15,8 @@ use sinew_mocap::files::{ClipFile, expand_all};
 use sinew_performance::RigClip;
 use sinew_performance::rig::Loaded;
 
-use super::performance::{ON_STAND, OnRig};
-use super::told::ToldArgs;
+use super::performance::{ON_STAND, PerformanceArgs};
+use super::unit_args::UnitArgs;
 
 /// Options that name what is tracked.
 #[derive(Debug, Clone, clap::Args)]
@@ -37,7 +37,7 @@ pub(super) struct ClipArgs {
     mapping: Option<PathBuf>,
 
     #[command(flatten)]
-    told: ToldArgs,
+    units: UnitArgs,
 
     /// Rate of control and plant, in Hz; the clips are resampled to it. Default: 100 as in the paper, 500 for
     /// `robustness` and for `--rig`.
@@ -85,15 +85,15 @@ impl ClipArgs {
     }
 
     /// The user's rig, if one is named; what its import changed is said on standard error.
-    pub(super) fn rig(&self, on_rig: &OnRig) -> anyhow::Result<Option<Loaded>> {
+    pub(super) fn rig(&self, on_rig: &PerformanceArgs) -> anyhow::Result<Option<Loaded>> {
         self.rig.as_deref().map(|path| on_rig.rig(path, ON_STAND)).transpose()
     }
 
     /// Refuses what says something of clips alone, where a rig tracks motions of its own joints.
-    pub(super) fn ensure_no_clips(&self, on_rig: &OnRig) -> anyhow::Result<()> {
+    pub(super) fn ensure_no_clips(&self, on_rig: &PerformanceArgs) -> anyhow::Result<()> {
         let mapping = self.mapping.is_some().then_some("--mapping");
         let given =
-            mapping.or(on_rig.of_clips()).or(self.told.given()).or(on_rig.fit.then_some("--fit"));
+            mapping.or(on_rig.of_clips()).or(self.units.given()).or(on_rig.fit.then_some("--fit"));
         if let Some(option) = given {
             bail!("{option} has no effect on a rig's motions of its own joints; it is for --clips");
         }
@@ -109,22 +109,22 @@ impl ClipArgs {
     pub(super) fn performances(
         &self,
         rig: &Loaded,
-        on_rig: &OnRig,
+        on_rig: &PerformanceArgs,
     ) -> anyhow::Result<Vec<RigClip>> {
         let expanded = expand_all(&self.clips)?;
         let mechanism = Arc::new(rig.mechanism.clone());
         let rate_hz = self.rate_hz.unwrap_or(RIG_RATE_HZ);
         let performed = |file: &ClipFile| -> anyhow::Result<RigClip> {
             let mapping = self.mapping.as_deref();
-            let performed =
-                on_rig.perform(rig, &file.path, mapping, None, (ON_STAND, self.told))?;
+            let performance =
+                on_rig.perform(rig, &file.path, mapping, None, (ON_STAND, self.units))?;
             let names = [file.name.as_str(), rig.description.name.as_str()];
-            let (taken, fit) = (Arc::new(performed.taken), performed.fit.as_ref());
+            let (taken, fit) = (Arc::new(performance.clip), performance.fit.as_ref());
             Ok(RigClip::new(names, &mechanism, &taken, fit, rate_hz)?)
         };
         let performances = expanded.clips.iter().map(performed);
         let (performances, left_out) = expanded.take(performances, self.strict)?;
-        tell(&told(&left_out));
+        tell(&left_out_lines(&left_out));
         Ok(performances)
     }
 
@@ -148,7 +148,7 @@ impl ClipArgs {
         }
         match rig {
             Some(rig) if self.of_rig() => {
-                Ok((boxed(self.performances(rig, &OnRig::default())?), Vec::new()))
+                Ok((boxed(self.performances(rig, &PerformanceArgs::default())?), Vec::new()))
             }
             Some(rig) => Ok((boxed(self.exercises(rig, false)?), Vec::new())),
             None => self.read().map(|(motions, lines)| (boxed(motions), lines)),
@@ -180,7 +180,7 @@ impl ClipArgs {
             mapping: self.mapping.as_deref().map(mapping::Mapping::named).transpose()?,
             rate_hz: self.rate_hz.unwrap_or(100.0),
             frame_rate_hz: self.frame_rate_hz,
-            told: self.told.told(),
+            told: self.units.overrides(),
             ..Settings::default()
         };
         settings.check()?;
@@ -195,7 +195,7 @@ impl ClipArgs {
             let prepared: Vec<_> = expanded.clips.par_iter().map(prepare).collect();
             expanded.take(prepared, self.strict)?
         };
-        let mut lines = told(&left_out);
+        let mut lines = left_out_lines(&left_out);
         let mut motions = Vec::with_capacity(prepared.len());
         for (motion, notices) in prepared {
             // What is built in is known.
@@ -224,7 +224,7 @@ pub(super) fn dimensions(rig: Option<&Loaded>, scale: f64) -> String {
 }
 
 /// What is left out of folders, a line for each file.
-fn told(left_out: &[String]) -> Vec<String> {
+fn left_out_lines(left_out: &[String]) -> Vec<String> {
     left_out.iter().map(|why| format!("left out: {why}")).collect()
 }
 

@@ -20,7 +20,7 @@ use sinew_rig::review::{Finding, Loop, Severity};
 use super::clips::{ClipArgs, RIG_RATE_HZ, seconds, tell};
 use super::methods::{MethodArg, check_fixed, methods};
 use super::page::PageArgs;
-use super::performance::OnRig;
+use super::performance::PerformanceArgs;
 use super::setup::SetupArgs;
 
 /// Options of the paper's tables.
@@ -30,7 +30,7 @@ pub(super) struct Args {
     clips: ClipArgs,
 
     #[command(flatten)]
-    on_rig: OnRig,
+    on_rig: PerformanceArgs,
 
     /// Factors on the figure's dimensions, 0.1 to 10. The clips keep theirs.
     #[arg(long, value_name = "FACTOR,..", value_delimiter = ',', default_value = "1.0,1.1", value_parser = scale, allow_negative_numbers = true, conflicts_with = "rig")]

@@ -10,8 +10,8 @@ use sinew_retarget::exchange::{blender, clip, servos, table};
 use sinew_retarget::feasibility::Curve;
 
 use super::clips::rate;
-use super::performance::{FOR_OTHERS, OnRig};
-use super::told::ToldArgs;
+use super::performance::{FOR_OTHERS, PerformanceArgs};
+use super::unit_args::UnitArgs;
 
 /// Put a clip on a rig and write its motion for other programs: CSV, BVH, or JSON.
 ///
@@ -34,10 +34,10 @@ pub(super) struct Args {
     mapping: Option<PathBuf>,
 
     #[command(flatten)]
-    on_rig: OnRig,
+    on_rig: PerformanceArgs,
 
     #[command(flatten)]
-    told: ToldArgs,
+    units: UnitArgs,
 
     /// Rate of the exported motion, in frames per second. Default: the clip's own.
     #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
@@ -62,22 +62,22 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     output::distinct(&[&args.output], &read)?;
     let rig = args.on_rig.rig(&args.rig, FOR_OTHERS)?;
     let mapping = args.mapping.as_deref();
-    let performed =
-        args.on_rig.perform(&rig, &args.clip, mapping, None, (FOR_OTHERS, args.told))?;
-    if let Some(done) = performed.done() {
+    let performance =
+        args.on_rig.perform(&rig, &args.clip, mapping, None, (FOR_OTHERS, args.units))?;
+    if let Some(done) = performance.fit_summary() {
         note(format_args!("fitted: {}", done.trim_end()));
     }
     let resampled;
     let motion = match args.rate_hz {
         Some(rate_hz) => {
-            resampled = Curve::new(&rig.mechanism, performed.motion())?.resampled(rate_hz);
+            resampled = Curve::new(&rig.mechanism, performance.motion())?.resampled(rate_hz);
             &resampled
         }
-        None => performed.motion(),
+        None => performance.motion(),
     };
-    let (mechanism, name) = (&rig.mechanism, &performed.name);
+    let (mechanism, name) = (&rig.mechanism, &performance.name);
     let text = match kind {
-        "csv" => table::csv(mechanism, motion, performed.start_s),
+        "csv" => table::csv(mechanism, motion, performance.start_s),
         "bvh" => bvh::text(&clip::clip(name, mechanism, motion), 0.01)?,
         _ => {
             let tracks = servos::tracks(&rig.description, mechanism, motion)?;

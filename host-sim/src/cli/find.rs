@@ -15,7 +15,7 @@ use sinew_pose_metrics::spatial::{
 };
 use sinew_report::moments as picture;
 
-use super::told::ToldArgs;
+use super::unit_args::UnitArgs;
 
 /// Find the moments in clips that are most similar to a pose, or to a piece of a clip.
 ///
@@ -79,7 +79,7 @@ pub(super) struct Args {
     mapping: Option<PathBuf>,
 
     #[command(flatten)]
-    told: ToldArgs,
+    units: UnitArgs,
 
     /// What to print.
     #[arg(long, value_enum, default_value_t = Format::Table)]
@@ -134,7 +134,7 @@ impl Args {
             picture::check(path).with_context(|| format!("--picture {}", path.display()))?;
         }
         let mapping = self.mapping.as_deref().map(Mapping::named).transpose()?;
-        let settings = Settings { mapping, told: self.told.told(), ..Settings::default() };
+        let settings = Settings { mapping, told: self.units.overrides(), ..Settings::default() };
         let query = Query::read(&self.like, &settings, self.rate_hz)?;
         for notice in &query.notices {
             note(format_args!("{}: {notice}", query.name));

@@ -8,7 +8,7 @@ use sinew_host_util::command::print;
 use crate::inspect::Entry;
 use clap::ValueEnum;
 
-use super::told::ToldArgs;
+use super::unit_args::UnitArgs;
 
 /// Show the content of files: motions, characters and rigs.
 ///
@@ -24,7 +24,7 @@ pub(super) struct Args {
     files: Vec<PathBuf>,
 
     #[command(flatten)]
-    told: ToldArgs,
+    units: UnitArgs,
 
     /// What to print.
     #[arg(long, value_enum, default_value_t = Format::Text)]
@@ -42,7 +42,7 @@ enum Format {
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     let entries: Vec<Entry> =
-        args.files.iter().map(|file| Entry::of(file, args.told.told())).collect();
+        args.files.iter().map(|file| Entry::of(file, args.units.overrides())).collect();
     print(&match args.format {
         Format::Json => serde_json::to_string_pretty(&entries)? + "\n",
         Format::Text => {

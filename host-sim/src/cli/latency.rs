@@ -13,7 +13,7 @@ use sinew_host_util::command::{ThreadArgs, print, with_progress};
 use super::clips::{ClipArgs, dimensions, rate, seconds, tell, what};
 use super::evaluate::{ensure_different, scale};
 use super::methods::{MethodArg, check_fixed, methods};
-use super::performance::OnRig;
+use super::performance::PerformanceArgs;
 use super::setup::SetupArgs;
 
 /// Find the largest latency that each method tolerates, by rate of control.
@@ -57,7 +57,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
 }
 
 fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
-    let rig = args.clips.rig(&OnRig::default())?;
+    let rig = args.clips.rig(&PerformanceArgs::default())?;
     let rig = rig.as_ref();
     let mut setup = args.setup.setup_on_exact(rig.map(|rig| &rig.mechanism))?;
     ensure!(

@@ -17,7 +17,7 @@ use sinew_retarget::skeleton::{MapHead, SkeletonMatch, figure_mapping};
 use sinew_retarget::solve::{Settings, best_tilt};
 
 use super::rig::read;
-use super::told::ToldArgs;
+use super::unit_args::UnitArgs;
 
 /// Propose which joint of a rig follows which joint of a clip, as TOML to edit, for `--mapping`.
 ///
@@ -34,7 +34,7 @@ pub(super) struct Args {
     rig: Option<PathBuf>,
 
     #[command(flatten)]
-    told: ToldArgs,
+    units: UnitArgs,
 
     /// Print the names of the known skeletons. `--mapping NAME` selects one; by default the clip's joints select it.
     #[arg(long, conflicts_with_all = ["clip", "rig", "metres_per_unit", "up"])]
@@ -45,8 +45,8 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let text = match (&args.clip, &args.rig) {
         (None, _) => listed(),
-        (Some(clip), Some(rig)) => on_rig(clip, rig, args.told.told())?,
-        (Some(clip), None) => on_figure(clip, args.told.told())?,
+        (Some(clip), Some(rig)) => on_rig(clip, rig, args.units.overrides())?,
+        (Some(clip), None) => on_figure(clip, args.units.overrides())?,
     };
     print(&text)?;
     Ok(())

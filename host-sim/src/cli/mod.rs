@@ -27,9 +27,11 @@ mod servo;
 #[cfg(unix)]
 mod servos;
 mod setup;
+mod stack;
+mod stop;
 mod sweep;
 mod target;
-mod told;
+mod unit_args;
 mod verify;
 mod weights;
 

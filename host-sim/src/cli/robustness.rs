@@ -14,7 +14,7 @@ use sinew_host_util::command::{ThreadArgs, print, with_progress};
 use super::clips::{ClipArgs, dimensions, seconds, tell, what};
 use super::evaluate::{ensure_different, scale};
 use super::methods::{MethodArg, check_fixed, methods};
-use super::performance::OnRig;
+use super::performance::PerformanceArgs;
 use super::setup::SetupArgs;
 
 /// Track the clips on many rigs as built, and print a row for each rig, and the median.
@@ -75,7 +75,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
 }
 
 fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
-    let rig = args.clips.rig(&OnRig::default())?;
+    let rig = args.clips.rig(&PerformanceArgs::default())?;
     let rig = rig.as_ref();
     let mut setup = args.setup.setup_on_exact(rig.map(|rig| &rig.mechanism))?;
     let disturbance = &setup.disturbance;

@@ -9,7 +9,7 @@ use sinew_evaluation::{Errors, Take as _, step_count};
 use sinew_host_util::command::{ThreadArgs, note, print, with_progress};
 
 use super::clips::{ClipArgs, seconds, tell};
-use super::performance::OnRig;
+use super::performance::PerformanceArgs;
 
 /// Run every combination of many settings and write a row for each.
 ///
@@ -73,7 +73,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
 }
 
 fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
-    let rig = args.clips.rig(&OnRig::default())?;
+    let rig = args.clips.rig(&PerformanceArgs::default())?;
     let rig = rig.as_ref();
     let file = SweepFile::read(&args.file, rig.map(|rig| &rig.mechanism))?;
     if file.repeated > 0 {

@@ -10,7 +10,7 @@ use sinew_pose_metrics::weights::radii::{self, Radii};
 use sinew_pose_metrics::weights::{Method, Settings, Weighing, table, weigh};
 use sinew_report::weights as picture;
 
-use super::told::ToldArgs;
+use super::unit_args::UnitArgs;
 
 /// Compute the importance of a character's joints: how much of the character each joint moves, and how far.
 ///
@@ -57,7 +57,7 @@ pub(super) struct Args {
     radii: Option<String>,
 
     #[command(flatten)]
-    told: ToldArgs,
+    units: UnitArgs,
 
     /// Frame of a motion, from 0, whose pose is the rest pose. Default: the skeleton with no joint turned.
     #[arg(long, value_name = "N")]
@@ -105,7 +105,7 @@ enum Format {
 
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    let options = Options { told: args.told.told(), frame: args.frame };
+    let options = Options { told: args.units.overrides(), frame: args.frame };
     let character = character::read(&args.character, &options)?;
     for line in character.notes() {
         note(format_args!("note: {}: {line}", character.name()));

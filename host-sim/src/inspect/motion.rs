@@ -11,7 +11,8 @@ use sinew_mocap::{Recording, flips, format, gaps};
 use sinew_retarget::skeleton::SkeletonMatch;
 use sinew_retarget::{Landmark, Side};
 
-use super::{Common, Inspected, Kind, maker};
+use super::inspected::{Common, Inspected, Kind};
+use super::maker;
 
 /// The longest bone that is believed, m: as long as the tallest figure.
 const BONE_MAX_M: f64 = 3.0;

@@ -8,7 +8,8 @@ use sinew_figure::pipeline::tpose;
 use sinew_pose_metrics::character::{self, Character, Options};
 use sinew_retarget::skeleton::SkeletonMatch;
 
-use super::{Common, Inspected, Kind, maker, motion};
+use super::inspected::{Common, Inspected, Kind};
+use super::{maker, motion};
 
 pub(super) fn character(path: &Path, told: Told) -> Result<Inspected, String> {
     let read = |told| character::read(path, &Options { told, frame: None });

@@ -12,7 +12,8 @@ use sinew_rig::Description;
 use sinew_rig::description::JointType;
 use sinew_rig::import::Options;
 
-use super::{Common, Inspected, Kind, maker, rest};
+use super::inspected::{Common, Inspected, Kind, TreeJoint};
+use super::{maker, rest};
 
 pub(super) fn rig(path: &Path, told: Told) -> Result<Inspected, String> {
     let options = Options {
@@ -75,10 +76,10 @@ fn as_character(path: &Path, told: Told, why: &str) -> Result<Inspected, String>
 
 /// All joints of the description, fixed ones too, parents first; those that move have their bone's length from
 /// `moving`.
-fn tree(description: &Description, moving: &[super::TreeJoint]) -> (usize, Vec<super::TreeJoint>) {
+fn tree(description: &Description, moving: &[TreeJoint]) -> (usize, Vec<TreeJoint>) {
     let joints = &description.joints;
     let mover = |body: &str| joints.iter().position(|joint| joint.child == body);
-    let mut tree: Vec<super::TreeJoint> = Vec::with_capacity(joints.len());
+    let mut tree: Vec<TreeJoint> = Vec::with_capacity(joints.len());
     let mut place = vec![None; joints.len()];
     // A rig's joints are a tree: each round finds those whose parents are there.
     while tree.len() < joints.len() {
@@ -94,7 +95,7 @@ fn tree(description: &Description, moving: &[super::TreeJoint]) -> (usize, Vec<s
                 .iter()
                 .find(|moving| moving.name == joint.name)
                 .and_then(|moving| moving.length_m);
-            tree.push(super::TreeJoint {
+            tree.push(TreeJoint {
                 name: joint.name.clone(),
                 parent: parent_place,
                 length_m,

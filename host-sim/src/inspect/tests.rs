@@ -1,5 +1,8 @@
 use std::fs;
 
+use sinew_retarget::Landmark;
+
+use super::inspected::Kind;
 use super::*;
 
 const BVH: &str = "HIERARCHY\nROOT a\n{ OFFSET 0 0 0 CHANNELS 3 Zrotation Xrotation Yrotation JOINT b\n\

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Inspected, Kind, TreeJoint};
+use super::inspected::{Inspected, Kind, TreeJoint};
 
 pub(super) fn block(it: &Inspected) -> String {
     let mut text = String::new();

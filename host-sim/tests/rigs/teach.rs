@@ -3,8 +3,11 @@
 use sinew_rig::new::arm;
 use sinew_servo_sim::device::MEMORY_LEN;
 
-use sinew_performance::play::{Memory, Options, Parts, Stand};
-use sinew_performance::teach::{Leads, Lesson, LessonError, Mode, Taken, Taught, beside};
+use sinew_performance::play::{Memory, Options, Parts, SimulatedRig};
+use sinew_performance::teach::{
+    GuideTrajectory, Mode, TeachRecording, TeachResult, TeachSession, TeachSessionError,
+    compare_with_guide,
+};
 use sinew_performance::{Baker, Marks, Played};
 use sinew_retarget::feasibility::RigMotion;
 use sinew_show::write::Settings;
@@ -17,7 +20,7 @@ fn led(
     mode: Mode,
     let_go_s: f64,
     [masses, friction]: [f64; 2],
-) -> Result<(Taken, Leads), LessonError> {
+) -> Result<(TeachRecording, GuideTrajectory), TeachSessionError> {
     let rig = arm(6).unwrap();
     let mechanism = rig.mechanism().unwrap();
     let mut parts = Parts::new(&rig, &mechanism, Options::default()).unwrap();
@@ -33,11 +36,11 @@ fn led(
     }
     let plant = parts.plant(&rig, &heavy).unwrap();
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
-    let mut stand = Stand::new(&parts, None, &mut memories, plant).unwrap();
-    let leads = Leads::built_in(&mechanism).unwrap();
+    let mut sim = SimulatedRig::new(&parts, None, &mut memories, plant).unwrap();
+    let guide = GuideTrajectory::built_in(&mechanism).unwrap();
     let taken =
-        Lesson::new(&mut stand, &mechanism, leads.clone()).run(mode, let_go_s, |_, _| {})?;
-    Ok((taken, leads))
+        TeachSession::new(&mut sim, &mechanism, guide.clone()).run(mode, let_go_s, |_, _| {})?;
+    Ok((taken, guide))
 }
 
 fn most(numbers: &[f64]) -> f64 {
@@ -49,13 +52,14 @@ fn most(numbers: &[f64]) -> f64 {
 fn what_is_taught_is_within_a_degree_of_the_hand() {
     let mechanism = arm(6).unwrap().mechanism().unwrap();
     for mode in [Mode::Limp, Mode::Float] {
-        let (Taken { dt_s, rows, .. }, leads) = led(mode, 0.0, [1.0, 1.0]).unwrap();
+        let (TeachRecording { dt_s, rows, .. }, guide) = led(mode, 0.0, [1.0, 1.0]).unwrap();
         let measured = RigMotion { dt_s, rows };
-        let taught = Taught::new(&mechanism, &measured, 6.0, 100.0).unwrap();
+        let taught = TeachResult::new(&mechanism, &measured, 6.0, 100.0).unwrap();
         let baker = Baker { mechanism: &mechanism, rig: 0, settings: Settings::default() };
         let baked = baker.bake(&taught.motion, &Marks::default()).unwrap();
         let played = Played::new(&baked.written.bytes).unwrap().motion(taught.motion.dt_s);
-        let ([mean, most], ..) = beside(&mechanism, &played, &leads, taught.cut_s[0]).unwrap();
+        let ([mean, most], ..) =
+            compare_with_guide(&mechanism, &played, &guide, taught.cut_s[0]).unwrap();
         println!("{mode:?}: {:.3} deg, {:.3} at most", mean / DEG, most / DEG);
         assert!(most < 1.0 * DEG, "{mode:?}: {}", most / DEG);
         // A second of rest stands at both ends; what is slower than half a degree counts as rest, too.

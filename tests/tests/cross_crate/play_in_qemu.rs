@@ -8,10 +8,10 @@ use std::rc::Rc;
 use sinew_firmware::supervisor::State;
 use sinew_mocap::files::ClipFile;
 use sinew_performance::play::{
-    Director, Drive, Ended, Memory, Options, Parts, Stand, Tally, put_servos,
+    Director, Drive, Ended, Memory, Options, Parts, SimulatedRig, Tally, put_servos,
 };
 use sinew_performance::rig::load;
-use sinew_performance::{Baker, ClipSettings, Marks, PreparedClip, take_over};
+use sinew_performance::{Baker, ClipSettings, Marks, PreparedClip, retarget_clip};
 use sinew_qemu_driver::{Emulator, IMAGE, QemuController};
 use sinew_retarget::feasibility::{FitSettings, Limits, fit};
 use sinew_retarget::mapping::Mapping;
@@ -53,7 +53,7 @@ impl Case {
         if let Some(seconds) = seconds {
             clip.cut(seconds);
         }
-        let given = take_over(&mechanism, &clip, mapping, false).unwrap().motion;
+        let given = retarget_clip(&mechanism, &clip, mapping, false).unwrap().motion;
         let limits = Limits::of(&mechanism, &Servos::of(&rig, &mechanism).unwrap());
         let fitted = fit(&mechanism, &limits, &given, FitSettings::default()).unwrap();
         let baker =
@@ -66,26 +66,27 @@ impl Case {
     fn play(&self, peer: Option<&Rc<RefCell<QemuController>>>) -> Played {
         let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; self.parts.servos.len()];
         let plant = self.parts.plant(&self.rig, &self.mechanism).unwrap();
-        let mut stand = Stand::new(&self.parts, Some(&self.show), &mut memories, plant).unwrap();
+        let mut sim =
+            SimulatedRig::new(&self.parts, Some(&self.show), &mut memories, plant).unwrap();
         if let Some(peer) = peer {
-            stand = stand.with_peer(peer.clone());
+            sim = sim.with_peer(peer.clone());
         }
         let (mut director, mut tally) = (Director::default(), Tally::new(&self.parts));
         let mut states: Vec<(u64, State)> = Vec::new();
         let ended = loop {
-            let ended = director.tick(&mut stand, false);
+            let ended = director.tick(&mut sim, false);
             peer.map(|peer| peer.borrow().compared()).transpose().unwrap();
-            tally.note(&stand);
-            let state = stand.report().state;
+            tally.note(&sim);
+            let state = sim.report().state;
             if states.last().is_none_or(|(_, last)| *last != state) {
-                states.push((stand.ticks(), state));
+                states.push((sim.ticks(), state));
             }
             if let Some(ended) = ended {
                 break ended;
             }
         };
         assert_eq!(ended, Ended::Done);
-        Played { table: tally.table(&stand, director.raised()), states }
+        Played { table: tally.table(&sim, director.raised()), states }
     }
 
     /// Plays in process, then in QEMU: the same table, hash and states. Returns the hash, and how many ticks and

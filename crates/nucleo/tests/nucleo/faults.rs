@@ -8,7 +8,7 @@ use sinew_board_client::{Board, Line};
 use sinew_firmware::supervisor::Fault;
 use sinew_link::message::{Command, Feed, State};
 
-use crate::stand::{
+use crate::test_rig::{
     Emulated, LOWER_S, Rig, SECOND, arm_it, connected, has_told, load, ready, servos_on,
     set_lowering, until, with_rig,
 };

@@ -7,7 +7,7 @@ use sinew_firmware::supervisor::Fault;
 use sinew_link::message::{Command, Feed, State};
 use sinew_nucleo::MachineEvent;
 
-use crate::stand::{
+use crate::test_rig::{
     Emulated, LOWER_S, Rig, SECOND, arm_it, load, ready, servos_on, set_lowering, until,
 };
 

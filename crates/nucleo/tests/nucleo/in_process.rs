@@ -11,7 +11,7 @@ use sinew_servo_sim::line::{Line, LineDevice as _};
 use sinew_servo_sim::plant::RigPlant;
 use sinew_wiring::{AllLines, Bus, Lines, Wiring};
 
-use crate::stand::Rig;
+use crate::test_rig::Rig;
 
 /// What boards with an STM32 hold.
 const SERVOS: usize = 20;

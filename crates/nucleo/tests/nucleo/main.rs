@@ -5,13 +5,13 @@ mod faults;
 mod hang;
 mod in_process;
 mod servos;
-mod stand;
+mod test_rig;
 mod walk;
 
 use sinew_link::message::Command;
 use sinew_nucleo::MachineEvent;
 
-use stand::{Rig, SECOND, TORQUE_OFF, connected};
+use test_rig::{Rig, SECOND, TORQUE_OFF, connected};
 
 #[test]
 #[ignore = "needs the emulator: `cargo xtask emulate`"]

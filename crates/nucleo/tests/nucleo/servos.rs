@@ -7,7 +7,7 @@ use sinew_link::message::{Parts as Told, State};
 use sinew_servo_tools::registers::{Number, write};
 use sinew_servo_tools::{Client, Exchange as _, Protocol, ServiceError, Settings};
 
-use crate::stand::{Emulated, Rig, arm_it, servos_on, until, with_rig};
+use crate::test_rig::{Emulated, Rig, arm_it, servos_on, until, with_rig};
 
 /// Register of an XL330.
 const LED: u16 = 65;

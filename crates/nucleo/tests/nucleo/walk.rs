@@ -11,7 +11,7 @@ use sinew_link::message::{Command, Feed, Part, Parts as Told, State, ToHost};
 use sinew_nucleo::Burst;
 
 use crate::in_process::{Exchange, InProcess};
-use crate::stand::{Emulated, Rig, SECOND, TORQUE_OFF, arm_it, load, ready, until};
+use crate::test_rig::{Emulated, Rig, SECOND, TORQUE_OFF, arm_it, load, ready, until};
 
 /// For so long it arms, s: the default of `arming_s`.
 const ARMING_S: u32 = 1;

@@ -8,6 +8,8 @@ use sinew_servo_bus::{
     Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
 };
 
+use super::error::PartsError;
+use super::parts::Parts;
 use super::peer::{PeerBus, PeerController};
 
 /// The buses of a rig, for its controller.
@@ -87,5 +89,13 @@ impl ServoBus for Buses {
     fn health(&self, servo: usize) -> Option<Health> {
         let (bus, place) = self.of(servo)?;
         bus.health(place)
+    }
+}
+
+impl Parts {
+    /// Makes the buses of all lines.
+    pub(super) fn all_buses(&self) -> Result<Buses, PartsError> {
+        let places = self.servos.iter().map(|part| part.place).collect();
+        Ok(Buses::new(self.buses()?, places))
     }
 }

@@ -3,7 +3,7 @@
 use sinew_firmware::supervisor::{Command, FaultSet, Feed, Moving, Refused, State};
 use sinew_servo_sim::load::Plant;
 
-use super::stand::Stand;
+use super::simulated_rig::SimulatedRig;
 
 /// For so long after power-on a rig may not be ready, s.
 const READY_S: f64 = 5.0;
@@ -60,17 +60,17 @@ impl Director {
     }
 
     /// A tick of a stand. `stop`: somebody wants the rig to stop. Says how it ended, when torque is off for good.
-    pub fn tick<P: Plant>(&mut self, stand: &mut Stand<'_, P>, stop: bool) -> Option<Ended> {
-        let command = self.command(stand, stop);
-        stand.tick(command);
-        let report = stand.report();
+    pub fn tick<P: Plant>(&mut self, sim: &mut SimulatedRig<'_, P>, stop: bool) -> Option<Ended> {
+        let command = self.command(sim, stop);
+        sim.tick(command);
+        let report = sim.report();
         self.raised = self.raised.union(report.raised);
         let refused = command.and(report.answer).and_then(Result::err);
         match (self.phase, report.state) {
             (_, State::Faulted) => return Some(Ended::Faults(self.raised)),
             // Torque is off.
             (Phase::Stopping, State::Limp | State::Off) => {}
-            (Phase::PowerOn, _) if stand.time_s() < READY_S => return None,
+            (Phase::PowerOn, _) if sim.time_s() < READY_S => return None,
             (Phase::PowerOn, _) => return refused.map(Ended::Refused),
             _ => {
                 self.refused = self.refused.or(refused);
@@ -85,10 +85,10 @@ impl Director {
         })
     }
 
-    fn command<P: Plant>(&mut self, stand: &Stand<'_, P>, stop: bool) -> Option<Command> {
-        let state = stand.report().state;
-        let is_ready = self.phase == Phase::PowerOn && state == State::Limp && stand.is_known();
-        self.waits_for = stand.report().moving.filter(|_| is_ready);
+    fn command<P: Plant>(&mut self, sim: &SimulatedRig<'_, P>, stop: bool) -> Option<Command> {
+        let state = sim.report().state;
+        let is_ready = self.phase == Phase::PowerOn && state == State::Limp && sim.is_known();
+        self.waits_for = sim.report().moving.filter(|_| is_ready);
         if stop && !self.is_stopped {
             (self.is_stopped, self.phase) = (true, Phase::Stopping);
             return Some(Command::Stop);
@@ -96,7 +96,7 @@ impl Director {
         match (self.phase, state) {
             _ if is_ready && self.waits_for.is_none() => Some(Command::Arm),
             // What is missing is in the answer.
-            (Phase::PowerOn, State::Limp | State::Off) if stand.time_s() >= READY_S => {
+            (Phase::PowerOn, State::Limp | State::Off) if sim.time_s() >= READY_S => {
                 Some(Command::Arm)
             }
             (Phase::PowerOn, State::Arming) => {

@@ -5,7 +5,7 @@ use sinew_servo_sim::bench::Branch;
 use sinew_servo_sim::line::{Line, LineDevice as _, run_all};
 use sinew_servo_sim::load::Plant;
 
-use super::stand::Wires;
+use super::wires::Wires;
 
 /// Room for the packets of a tick of one line.
 const OUT_LEN: usize = 2048;

@@ -4,17 +4,15 @@ use std::collections::HashMap;
 
 use sinew_rig::servo::Address;
 use sinew_servo_bus::feetech::table::BAUDS as FEETECH_BAUDS;
-use sinew_servo_bus::pca9685::{self, ChannelSetup};
-use sinew_servo_bus::{Schedule, ServoBus, Timing, dynamixel, feetech};
+use sinew_servo_bus::{Timing, dynamixel, feetech};
 use sinew_servo_sim::registers::RegisterTable;
 use sinew_servo_sim::rig::RigServo;
-use sinew_wiring::{LineServo, Protocol};
 
-use super::SERVOS;
-use super::parts::{Options, Parts, PartsError};
+use super::error::PartsError;
+use super::options::Options;
 use super::pulses::{self, I2C_HZ};
 use super::schedule::Load;
-use super::servo_part::{Drive, ServoPart, current_a, encoder, mode, no_load_rad_s, single, table};
+use super::servo_part::{Drive, ServoPart, table};
 
 /// What Dynamixel lines talk at, unless told otherwise: all models but the oldest can.
 const DYNAMIXEL_BAUD: u32 = 4_000_000;
@@ -22,8 +20,6 @@ const DYNAMIXEL_BAUD: u32 = 4_000_000;
 const BOARD_BAUD: u32 = 3_000_000;
 /// What Feetech servos are shipped with, and their fastest.
 const FEETECH_BAUD: u32 = 1_000_000;
-/// Readings that tell more than twice the servo's own speed are not believed at once.
-const SPEED_ROOM: f64 = 2.0;
 
 /// One line of servos.
 #[derive(Debug, Clone)]
@@ -34,12 +30,12 @@ pub struct Line {
     pub baud: u32,
     /// Its servos, as the rig counts them.
     pub servos: Vec<usize>,
-    spoken: Spoken,
+    pub(super) spoken: Spoken,
 }
 
 /// What is spoken on a line.
 #[derive(Debug, Clone, Copy)]
-enum Spoken {
+pub(super) enum Spoken {
     /// A maker's protocol, to registers.
     Registers(RegisterTable),
     /// I2C writes to a PCA9685, which makes pulses.
@@ -167,116 +163,5 @@ impl Spoken {
             ) => a.model.family == b.model.family,
             _ => false,
         }
-    }
-}
-
-impl Parts {
-    /// The bus of each line, with its servos as they are driven.
-    pub(super) fn buses(&self) -> Result<Vec<Box<dyn ServoBus>>, PartsError> {
-        let each = self.lines.iter().zip(&self.schedules);
-        each.map(|(line, schedule)| self.bus(line, *schedule)).collect()
-    }
-
-    fn bus(&self, line: &Line, schedule: Schedule) -> Result<Box<dyn ServoBus>, PartsError> {
-        let failed = |reason| PartsError::Bus { bus: line.name.clone(), reason };
-        Ok(match self.of_line(line) {
-            OfLine::Dynamixel(setups, settings) => {
-                let bus = dynamixel::Bus::<SERVOS>::new(&setups, schedule, settings);
-                Box::new(bus.map_err(failed)?)
-            }
-            OfLine::Feetech(setups, settings) => {
-                let bus = feetech::Bus::<SERVOS>::new(&setups, schedule, settings);
-                Box::new(bus.map_err(failed)?)
-            }
-            OfLine::Pulses(setups) => {
-                let bus = pca9685::Bus::new(&setups, pulses::prescale(), line.baud);
-                Box::new(bus.map_err(failed)?)
-            }
-        })
-    }
-
-    /// What a line's bus is made of.
-    pub(super) fn of_line(&self, line: &Line) -> OfLine {
-        let table = match line.spoken {
-            Spoken::Registers(table) => table,
-            Spoken::Pulses => {
-                let setup = |index: &usize| {
-                    let own = self.board.servos()[*index].servo.settings();
-                    pulses::setup(&self.servos[*index], own.range_rad)
-                };
-                return OfLine::Pulses(line.servos.iter().map(setup).collect());
-            }
-        };
-        let of = |index: &usize| {
-            let (part, setup) = (&self.servos[*index], &self.setups[*index]);
-            let encoder = encoder(part);
-            // The last step of the turn is the first of the next.
-            let last_rad = encoder.turn_rad - single(part.own.kind.resolution_rad);
-            let own = self.board.servos()[*index].servo.settings();
-            let range_rad = own.range_rad.map(|end| (end + encoder.zero_rad).clamp(0.0, last_rad));
-            let speed_rad_s = single(SPEED_ROOM * no_load_rad_s(&part.own));
-            (part, setup, range_rad, speed_rad_s)
-        };
-        match table {
-            RegisterTable::Dynamixel(_) => {
-                let mut setups = Vec::new();
-                for index in &line.servos {
-                    let (part, setup, range_rad, speed_rad_s) = of(index);
-                    let Some(RegisterTable::Dynamixel(table)) = self::table(&part.own) else {
-                        continue;
-                    };
-                    setups.push(dynamixel::ServoSetup {
-                        id: part.own.id().unwrap_or_default(),
-                        model: table.model,
-                        mode: mode(part.drive),
-                        range_rad,
-                        current_a: current_a(setup.stall_a),
-                        pwm: 1.0,
-                        speed_rad_s,
-                    });
-                }
-                OfLine::Dynamixel(setups, dynamixel::Settings { fast: true, retries: 1 })
-            }
-            RegisterTable::Feetech(table) => {
-                let setup = |index: &usize| {
-                    let (part, _, range_rad, speed_rad_s) = of(index);
-                    let id = part.own.id().unwrap_or_default();
-                    let mode = feetech::Mode::Position;
-                    feetech::ServoSetup { id, mode, range_rad, pwm: 1.0, speed_rad_s }
-                };
-                let setups = line.servos.iter().map(setup).collect();
-                let family = table.model.family;
-                let settings =
-                    feetech::Settings { family, echo: false, retries: 1, speed_counts: 50 };
-                OfLine::Feetech(setups, settings)
-            }
-        }
-    }
-}
-
-/// Servos of a line, and how it is read.
-pub(super) enum OfLine {
-    Dynamixel(Vec<dynamixel::ServoSetup>, dynamixel::Settings),
-    Feetech(Vec<feetech::ServoSetup>, feetech::Settings),
-    Pulses(Vec<ChannelSetup>),
-}
-
-impl OfLine {
-    /// What is spoken on it.
-    pub(super) fn protocol(&self) -> Protocol {
-        match self {
-            Self::Dynamixel(_, settings) => Protocol::Dynamixel(*settings),
-            Self::Feetech(_, settings) => Protocol::Feetech(*settings),
-            Self::Pulses(_) => Protocol::Pca9685(pulses::PULSES),
-        }
-    }
-
-    /// What its servo at a place is there.
-    pub(super) fn on_line(&self, place: usize) -> Option<LineServo> {
-        Some(match self {
-            Self::Dynamixel(setups, _) => LineServo::Dynamixel((*setups.get(place)?).into()),
-            Self::Feetech(setups, _) => LineServo::Feetech(*setups.get(place)?),
-            Self::Pulses(setups) => LineServo::Channel(*setups.get(place)?),
-        })
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! rig ─ put_servos ─> Parts (compact form, buses, rate, settings)
-//!                       └─> Stand (controller, buses, one bench), a tick a call ─> Tally, Recorder
+//!                       └─> SimulatedRig (controller, buses, one bench), a tick a call ─> Tally, Recorder
 //! stop ─> Director (arm, play, stop) ─────┘       └─ PeerController (a board elsewhere), if there is one
 //! ```
 //! All is in simulated time: the same show gives the same bytes on every run. [`SimulatedBoard`] is a whole board in
@@ -11,31 +11,41 @@
 mod board;
 mod bus;
 mod director;
+mod error;
 mod exchange;
 mod line;
+mod line_setup;
+mod options;
 mod parts;
 mod peer;
+mod pulse_ranges;
 mod pulses;
 mod record;
 mod recording;
 mod schedule;
 mod servo_part;
 mod servos;
-mod stand;
+mod simulated_lines;
+mod simulated_rig;
 mod tally;
+mod wires;
 
 pub use board::{BoardError, Chip, SimulatedBoard};
 pub use director::{Director, Ended};
+pub use error::{PartsError, SimulatedRigError};
 pub use line::Line;
-pub use parts::{Options, Parts, PartsError};
+pub use options::Options;
+pub use parts::Parts;
 pub use peer::PeerController;
 pub use record::{Recorder, SCHEMA};
 pub use recording::{JointRows, Part, Recording, RecordingError, ServoRows};
 pub use schedule::RateError;
 pub use servo_part::{Drive, ServoPart};
 pub use servos::{PutError, ServoChoice, put_servos};
-pub use stand::{Memory, Stand, StandError, Wires};
+pub use simulated_lines::Memory;
+pub use simulated_rig::SimulatedRig;
 pub use tally::{Errors, Tally};
+pub use wires::Wires;
 
 use sinew_firmware::controller::MotionController;
 use sinew_rig::board::BoardRig;

@@ -3,7 +3,6 @@
 use sinew_core::tracker::{MethodName, Settings as TrackerSettings, Timing as LoopTiming};
 use sinew_firmware::controller::{ControllerSettings, ServoSetup, estimated_us};
 use sinew_firmware::node::NodeSettings;
-use sinew_rig::board::BakeError;
 use sinew_rig::description::Supply as RigSupply;
 use sinew_rig::mechanism::JointModel;
 use sinew_rig::{Description, Mechanism};
@@ -11,123 +10,19 @@ use sinew_servo_bus::Schedule;
 use sinew_servo_sim::plant::RigPlant;
 use sinew_servo_sim::rig::{RigServosError, servos};
 use sinew_servo_sim::supply::Supply;
-use thiserror::Error;
 
 use super::CompactRig;
+use super::error::PartsError;
 use super::line::{Line, lines};
-use super::schedule::{Load, Needs, RateError, choose};
+use super::options::Options;
+use super::schedule::{Load, Needs, choose};
 use super::servo_part::{Drive, ServoPart, drives, setup, single};
 use crate::rig_hash;
-
-/// What may be chosen. Default: what each servo can do, and the lines have time for.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Options {
-    /// How servos are driven.
-    pub drive: Option<Drive>,
-    /// Ticks a second.
-    pub rate_hz: Option<u32>,
-    /// Bits a second of all lines.
-    pub baud: Option<u32>,
-    /// For a board, in place of a loop in this program: what the board's processor computes in a tick counts, and its
-    /// clock divides to the rate of its lines.
-    pub is_of_board: bool,
-}
-
-impl Options {
-    /// What a board gets that nobody has asked for anything else.
-    pub fn of_board() -> Self {
-        Self { is_of_board: true, ..Self::default() }
-    }
-}
-
-/// Why a rig cannot be played on.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum PartsError {
-    /// It has no compact form.
-    #[error(transparent)]
-    Bake(#[from] BakeError),
-    /// Its servos cannot be simulated.
-    #[error(transparent)]
-    Servos(#[from] RigServosError),
-    /// It travels.
-    #[error("the rig's base is not held: no servo moves it; `--base stand` bolts it to a stand")]
-    Travels,
-    /// It has no servos.
-    #[error("the rig has no servos")]
-    NoServos,
-    /// A servo is where its kind cannot be.
-    #[error("servo `{servo}` is a {model}: expected {expected}, found {found}")]
-    Address {
-        /// The servo.
-        servo: String,
-        /// Its kind.
-        model: String,
-        /// Where it could be.
-        expected: &'static str,
-        /// Where it is.
-        found: String,
-    },
-    /// Servos of two makers share a line.
-    #[error(
-        "bus {bus:?} has servos of two protocols ({one}, {other}): give one of them a bus of its own"
-    )]
-    TwoProtocols {
-        /// The bus.
-        bus: String,
-        /// A servo.
-        one: String,
-        /// One of the other protocol.
-        other: String,
-    },
-    /// Servos on one drive, of which some take pulses.
-    #[error(
-        "servos `{one}` and `{other}` share a drive, and `{one}` alone takes pulses: expected both on a bus, or both on \
-         pulses"
-    )]
-    Mixed {
-        /// A servo that takes pulses.
-        one: String,
-        /// One that does not.
-        other: String,
-    },
-    /// A kind of servo has no current mode.
-    #[error(
-        "--drive current: servo `{servo}` is a {model}, which has no current mode; choose position"
-    )]
-    NoCurrent {
-        /// The servo.
-        servo: String,
-        /// Its kind.
-        model: String,
-    },
-    /// A line cannot have this rate.
-    #[error("--baud {baud}: bus {bus:?} can have {known}")]
-    Baud {
-        /// What was asked for.
-        baud: u32,
-        /// The bus.
-        bus: String,
-        /// What it could have.
-        known: String,
-    },
-    /// The lines have no time.
-    #[error(transparent)]
-    Rate(#[from] RateError),
-    /// Two servos have one id, or a number cannot be.
-    #[error("bus {bus:?}: {reason}")]
-    Bus {
-        /// The bus.
-        bus: String,
-        /// Why.
-        reason: sinew_servo_bus::SetupError,
-    },
-}
 
 /// Clock of the reference board's processor, an STM32F446, Hz.
 const BOARD_HZ: u32 = 180_000_000;
 
-/// All that a stand is made of.
+/// The parts of a rig that plays: its compact form, settings, lines and servos.
 pub struct Parts {
     pub(super) board: CompactRig,
     pub(super) settings: ControllerSettings,

@@ -17,7 +17,7 @@ use sinew_host_util::output::Pending;
 use sinew_servo_sim::load::Plant;
 
 use super::parts::Parts;
-use super::stand::Stand;
+use super::simulated_rig::SimulatedRig;
 
 /// What a recording names itself.
 pub const SCHEMA: &str = "sinew-recording/1";
@@ -130,27 +130,27 @@ impl Recorder {
     ///
     /// # Errors
     /// What the system says.
-    pub fn note<P: Plant>(&mut self, stand: &Stand<'_, P>) -> Result<(), ParquetError> {
-        let report = stand.report();
-        self.time_s.push(Some(stand.time_s()));
+    pub fn note<P: Plant>(&mut self, sim: &SimulatedRig<'_, P>) -> Result<(), ParquetError> {
+        let report = sim.report();
+        self.time_s.push(Some(sim.time_s()));
         self.state.push(Some(report.state.to_string().as_str().into()));
-        self.runs.push(Some(stand.runs()));
+        self.runs.push(Some(sim.runs()));
         let faults: Vec<String> = report.raised.iter().map(|fault| fault.to_string()).collect();
         self.faults.push((!faults.is_empty()).then(|| faults.join(", ").as_str().into()));
-        let [commanded, measured] = stand.dofs();
+        let [commanded, measured] = sim.dofs();
         for (index, joint) in self.joints.iter_mut().enumerate() {
             let dof = report.dofs[index];
-            let told = |number| (!stand.parts.tells_nothing(index)).then_some(number);
+            let told = |number| (!sim.parts.tells_nothing(index)).then_some(number);
             let [measured, error] = [measured[index], dof.error].map(told);
             let numbers = [Some(commanded[index]), measured, error, Some(dof.effort)];
             for (column, number) in joint.numbers.iter_mut().zip(numbers) {
                 column.push(number);
             }
-            joint.limiter.push(stand.limiter(index).map(|limiter| limiter.as_str().into()));
+            joint.limiter.push(sim.limiter(index).map(|limiter| limiter.as_str().into()));
         }
         for (index, columns) in self.servos.iter_mut().enumerate() {
             let told = &report.servos[index];
-            let numbers = [stand.current_a(index), told.temperature_c, told.voltage_v];
+            let numbers = [sim.current_a(index), told.temperature_c, told.voltage_v];
             for (column, number) in columns.iter_mut().zip(numbers) {
                 column.push(number);
             }

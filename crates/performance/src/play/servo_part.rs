@@ -11,7 +11,7 @@ use sinew_servo_sim::registers::RegisterTable;
 use sinew_servo_sim::rig::RigServo;
 
 use super::CompactRig;
-use super::parts::PartsError;
+use super::error::PartsError;
 
 /// Part of the stall current that is drawn at most: guess, room for what a supply sags.
 const CURRENT_SHARE: f64 = 0.8;

@@ -8,7 +8,7 @@ use sinew_servo_sim::plant::RigPlant;
 
 use super::parts::Parts;
 use super::servo_part::Drive;
-use super::stand::Stand;
+use super::simulated_rig::SimulatedRig;
 
 /// Sums of one dof, while the show runs.
 #[derive(Debug, Clone, Copy, Default)]
@@ -55,16 +55,16 @@ impl Tally {
     }
 
     /// Looks at a tick. Of servos that tell nothing the error is where the simulated rig is.
-    pub fn note(&mut self, stand: &Stand<'_, RigPlant>) {
-        if !stand.runs() {
+    pub fn note(&mut self, sim: &SimulatedRig<'_, RigPlant>) {
+        if !sim.runs() {
             return;
         }
-        let report = stand.report();
-        let time_s = self.ticks as f64 / f64::from(stand.parts.rate_hz);
+        let report = sim.report();
+        let time_s = self.ticks as f64 / f64::from(sim.parts.rate_hz);
         self.ticks += 1;
-        let simulated = if self.tells_nothing { stand.simulated_errors() } else { Vec::new() };
+        let simulated = if self.tells_nothing { sim.simulated_errors() } else { Vec::new() };
         for (index, (sums, dof)) in self.dofs.iter_mut().zip(&report.dofs).enumerate() {
-            let tells_nothing = stand.parts.tells_nothing(index);
+            let tells_nothing = sim.parts.tells_nothing(index);
             let error = if tells_nothing { simulated[index] } else { dof.error };
             let error = f64::from(error.abs());
             sums.error += error;
@@ -72,12 +72,12 @@ impl Tally {
                 (sums.largest, sums.largest_s) = (error, time_s);
             }
             sums.effort = sums.effort.max(f64::from(dof.effort.abs()));
-            let Some(servo) = stand.parts.first_servo[index] else { continue };
-            let current_a = stand.current_a(servo).map_or(0.0, |a| f64::from(a.abs()));
+            let Some(servo) = sim.parts.first_servo[index] else { continue };
+            let current_a = sim.current_a(servo).map_or(0.0, |a| f64::from(a.abs()));
             sums.current_a = sums.current_a.max(current_a);
             let told = &report.servos[servo];
             sums.celsius = sums.celsius.max(told.temperature_c.map_or(0.0, f64::from));
-            sums.limited += u64::from(stand.limiter(index).is_some());
+            sums.limited += u64::from(sim.limiter(index).is_some());
         }
     }
 
@@ -108,13 +108,13 @@ impl Tally {
     }
 
     /// The tables at the end of a run.
-    pub fn table<P: Plant>(&self, stand: &Stand<'_, P>, raised: FaultSet) -> String {
-        let parts = stand.parts;
+    pub fn table<P: Plant>(&self, sim: &SimulatedRig<'_, P>, raised: FaultSet) -> String {
+        let parts = sim.parts;
         let (by_drive, by_joint) = (self.by_drive(parts), self.by_joint(parts));
         let faults: Vec<String> = raised.iter().map(|fault| fault.to_string()).collect();
         let faults = if faults.is_empty() { "none".to_owned() } else { faults.join(", ") };
-        let wires = stand.wires();
-        let (incomplete, why) = stand.incomplete();
+        let wires = sim.wires();
+        let (incomplete, why) = sim.incomplete();
         let why = why.map_or_else(String::new, |why| format!(" ({why})"));
         let pulses = if self.tells_nothing {
             "Servos on pulses tell nothing: their error is that of the simulated rig, which no real one knows.\n"
@@ -126,9 +126,9 @@ impl Tally {
              faults: {faults}\nticks: {} of {:.2} ms, {} overruns, {incomplete} not whole{why}\n\
              wire: {} bytes sent, {} answered, hash {:016x}\n",
             self.ticks as f64 / f64::from(parts.rate_hz),
-            stand.ticks(),
+            sim.ticks(),
             1e-3 * f64::from(parts.tick_us()),
-            stand.report().overruns,
+            sim.report().overruns,
             wires.sent,
             wires.answered,
             wires.hash,

@@ -30,14 +30,14 @@ fn ended(wrong: Option<(usize, u16, i32)>) -> Ended {
     let show = show.unwrap().written.bytes;
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
     let plant = parts.plant(&rig, &mechanism).unwrap();
-    let mut stand = Stand::new(&parts, Some(&show), &mut memories, plant).unwrap();
+    let mut sim = SimulatedRig::new(&parts, Some(&show), &mut memories, plant).unwrap();
     if let Some((servo, register, raw)) = wrong {
-        stand.set_register(servo, register, raw);
+        sim.set_register(servo, register, raw);
     }
     let mut director = Director::default();
     // Power-on to limp takes 10 s: arming, the show, stopping and lowering.
     let most = 20 * parts.rate_hz;
-    (0..most).find_map(|_| director.tick(&mut stand, false)).expect("it ends")
+    (0..most).find_map(|_| director.tick(&mut sim, false)).expect("it ends")
 }
 
 #[test]
@@ -103,27 +103,27 @@ fn a_face_on_a_pca9685_performs_and_gets_no_pulse_when_it_is_limp() {
         let show = baker.bake(&motion, &Marks::default()).unwrap().written.bytes;
         let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
         let plant = parts.plant(&rig, &mechanism).unwrap();
-        let mut stand = Stand::new(&parts, Some(&show), &mut memories, plant).unwrap();
+        let mut sim = SimulatedRig::new(&parts, Some(&show), &mut memories, plant).unwrap();
         let (mut director, mut tally) = (Director::default(), Tally::new(&parts));
         let (mut least, mut most) = (0.0_f64, 0.0_f64);
         let ended = (0..20 * parts.rate_hz).find_map(|_| {
             if is_stopped && tally.ticks() == 100 {
-                assert_eq!(stand.servos_on(), 8);
-                stand.tick(Some(Command::EStop));
+                assert_eq!(sim.servos_on(), 8);
+                sim.tick(Some(Command::EStop));
                 return Some(None);
             }
-            let ended = director.tick(&mut stand, false);
-            tally.note(&stand);
-            (least, most) = (least.min(stand.q()[jaw]), most.max(stand.q()[eye]));
+            let ended = director.tick(&mut sim, false);
+            tally.note(&sim);
+            (least, most) = (least.min(sim.q()[jaw]), most.max(sim.q()[eye]));
             // Pulses come with torque alone.
-            assert_eq!(stand.servos_on(), if stand.permission().torque { 8 } else { 0 });
+            assert_eq!(sim.servos_on(), if sim.permission().torque { 8 } else { 0 });
             ended.map(Some)
         });
-        assert_eq!(stand.servos_on(), 0);
+        assert_eq!(sim.servos_on(), 0);
         let errors = tally.errors(&parts, Some(Drive::Pulses)).unwrap();
         assert_eq!(errors.joints, 8);
         if is_stopped {
-            assert_eq!((ended, stand.report().state), (Some(None), State::Faulted));
+            assert_eq!((ended, sim.report().state), (Some(None), State::Faulted));
             continue;
         }
         assert_eq!(ended, Some(Some(Ended::Done)));
@@ -131,7 +131,7 @@ fn a_face_on_a_pca9685_performs_and_gets_no_pulse_when_it_is_limp() {
         assert!((least + 0.3).abs() < 0.05 && (most - 0.5).abs() < 0.05, "{least} {most}");
         assert!(errors.most_rad > 1e-3 && errors.most_rad < 0.1, "{errors:?}");
         // Nothing answers.
-        assert!(stand.wires().answered == 0 && stand.wires().sent > 0);
+        assert!(sim.wires().answered == 0 && sim.wires().sent > 0);
         assert_eq!(director.raised(), FaultSet::EMPTY);
     }
 }

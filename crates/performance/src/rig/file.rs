@@ -3,6 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use sinew_mocap::{Kind, read};
+use sinew_retarget::rig::RigMatch;
+use sinew_retarget::{Landmark, Side};
+use sinew_rig::description::{Base, DescriptionError};
 use sinew_rig::import::{self, Imported, Options, World};
 use sinew_rig::{Description, Mechanism, toml_file};
 use thiserror::Error;
@@ -20,6 +23,24 @@ pub struct Loaded {
     pub world: Option<World>,
     /// Of an import: how large the rig is, and what was changed, filled in, left out or is doubtful.
     pub notes: Vec<String>,
+}
+
+impl Loaded {
+    /// Holds the rig's base in another way.
+    ///
+    /// # Errors
+    /// The rig has no mechanism with such a base.
+    pub fn set_base(&mut self, base: Base) -> Result<(), DescriptionError> {
+        self.description.mount.base = base;
+        self.mechanism = self.description.mechanism()?;
+        Ok(())
+    }
+}
+
+/// Returns whether a rig has a foot on each side.
+pub fn has_feet(mechanism: &Mechanism) -> bool {
+    let rig = RigMatch::of(mechanism);
+    rig.is_ok_and(|rig| Side::ALL.iter().all(|side| !rig.joints(Landmark::Ankle(*side)).is_empty()))
 }
 
 /// Why a file is no rig.

@@ -4,19 +4,19 @@ use sinew_rig::Mechanism;
 use sinew_rig::mechanism::JointModel;
 use sinew_servo_sim::plant::Hand;
 
-use super::Leads;
+use super::GuideTrajectory;
 
 /// A hand that holds all joints but ball joints, and leads them along a way.
 #[derive(Debug, Clone)]
 pub struct ScriptedHand {
-    leads: Leads,
+    guide: GuideTrajectory,
     /// Dof and coordinate of all that it holds.
     held: Vec<(usize, usize)>,
 }
 
 impl ScriptedHand {
     /// At a rig of this mechanism.
-    pub fn new(mechanism: &Mechanism, leads: Leads) -> Self {
+    pub fn new(mechanism: &Mechanism, guide: GuideTrajectory) -> Self {
         let (mut held, mut dof, mut coordinate) = (Vec::new(), 0, 0);
         for link in &mechanism.bodies {
             let kind = link.joint.kind();
@@ -26,17 +26,17 @@ impl ScriptedHand {
             }
             (dof, coordinate) = (dof + dofs, coordinate + coordinates);
         }
-        Self { leads, held }
+        Self { guide, held }
     }
 
     /// How long its way takes, s.
     pub fn duration_s(&self) -> f64 {
-        self.leads.duration_s()
+        self.guide.duration_s()
     }
 
     /// Holds every dof where it leads `time_s` after the beginning: `lead` puts the hand there.
     pub fn hold(&self, time_s: f64, mut lead: impl FnMut(usize, Option<Hand>)) {
-        let instant = self.leads.at(time_s);
+        let instant = self.guide.at(time_s);
         for (dof, coordinate) in &self.held {
             let (position, velocity) = (instant.q[*coordinate], instant.qd[*dof]);
             lead(*dof, Some(Hand { position, velocity }));

@@ -1,19 +1,19 @@
 //! Teaching by hand: a rig is led, limp or carrying itself, and what was measured becomes a motion.
 //!
 //! ```text
-//! Leads (where a ScriptedHand leads) ─> Lesson (a simulated rig, a tick a call) ─┐
-//!                  telemetry of a board ─> rows (evenly spaced) ────────────────┴─> Taught (cut, smooth)
+//! GuideTrajectory of a ScriptedHand ─> TeachSession (a simulated rig, a tick a call) ─┐
+//!                      telemetry of a board ─> rows (evenly spaced) ────────────────┴─> TeachResult (cut, smooth)
 //! ```
-//! Where rows come from makes no difference to [`Taught`].
+//! Where rows come from makes no difference to [`TeachResult`].
 
+mod guide_trajectory;
 mod hand;
-mod leads;
-mod lesson;
 mod received;
-mod taught;
+mod result;
+mod session;
 
+pub use guide_trajectory::GuideTrajectory;
 pub use hand::ScriptedHand;
-pub use leads::Leads;
-pub use lesson::{Lesson, LessonError, Mode, Taken, check_servos};
 pub use received::{ReceivedError, rows};
-pub use taught::{REST_RAD, Taught, TaughtError, beside};
+pub use result::{REST_RAD, TeachResult, TeachResultError, compare_with_guide};
+pub use session::{Mode, TeachRecording, TeachSession, TeachSessionError, check_servos};

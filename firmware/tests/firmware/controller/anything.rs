@@ -6,7 +6,7 @@ use sinew_firmware::supervisor::{Command, FaultSet, Feed, GuardReason, Operator,
 use sinew_servo_sim::fault;
 
 use super::play::show;
-use super::stand::{Kind, SERVOS, Stand, figure};
+use super::test_rig::{Kind, SERVOS, TestRig, figure};
 
 fn command() -> impl Strategy<Value = Command> {
     use Command::{
@@ -40,35 +40,35 @@ proptest! {
         speed in -1e3_f32..1e3,
     ) {
         let kind = Kind::Current;
-        let mut stand = Stand::new(kind, Start::default());
-        stand.controller.load_show(Some(show(kind, 0))).unwrap();
-        stand.live.0 = Some(live);
-        stand.jog = Some(Jog { dof: 1, speed });
-        stand.bench.faults = fault::random(seed, damages, SERVOS, 10.0);
-        stand.run(0.5);
+        let mut test_rig = TestRig::new(kind, Start::default());
+        test_rig.controller.load_show(Some(show(kind, 0))).unwrap();
+        test_rig.live.0 = Some(live);
+        test_rig.jog = Some(Jog { dof: 1, speed });
+        test_rig.bench.faults = fault::random(seed, damages, SERVOS, 10.0);
+        test_rig.run(0.5);
         let mut is_armed = false;
         for (command, ticks, heard) in commands {
             for tick in 0..ticks {
-                stand.heard = heard;
+                test_rig.heard = heard;
                 let given = (tick == 0).then_some(command);
-                stand.tick(given);
-                let report = stand.controller.report();
+                test_rig.tick(given);
+                let report = test_rig.controller.report();
                 is_armed |= report.answer == Some(Ok(State::Arming)) && given == Some(Command::Arm);
                 is_armed &= report.state.is_on();
-                prop_assert!(is_armed || stand.sent_off(), "{:?}", report);
-                prop_assert_eq!(is_armed, stand.controller.permission().torque);
+                prop_assert!(is_armed || test_rig.sent_off(), "{:?}", report);
+                prop_assert_eq!(is_armed, test_rig.controller.permission().torque);
                 let refused = report.servos.iter().any(|servo| {
                     matches!(servo.guard, Some(GuardReason::NotFinite | GuardReason::Kind))
                 });
                 prop_assert!(!refused);
-                let (q, qd) = stand.controller.commanded();
+                let (q, qd) = test_rig.controller.commanded();
                 for ((q, qd), dof) in q.iter().zip(qd).zip(figure(kind).board.dofs()) {
                     let [least, most] = dof.range;
                     prop_assert!((least..=most).contains(q));
                     prop_assert!(qd.abs() <= dof.speed * 1.001);
                 }
                 // Goal current (102), mA: as the drives' setting has it.
-                for servo in stand.bench.servos() {
+                for servo in test_rig.bench.servos() {
                     prop_assert!(!is_armed || servo.get(102).abs() <= 1_200);
                 }
                 prop_assert!(report.latched == FaultSet::EMPTY || report.state != State::Arming

@@ -3,30 +3,30 @@
 use sinew_firmware::controller::Start;
 use sinew_firmware::supervisor::{Command, Refused, State};
 
-use super::stand::{Kind, Stand};
+use super::test_rig::{Kind, TestRig};
 
 #[test]
 fn a_rig_that_moves_is_armed_when_it_rests() {
     for kind in [Kind::Current, Kind::Position] {
-        let mut stand = Stand::new(kind, Start::default());
+        let mut test_rig = TestRig::new(kind, Start::default());
         // It was held at home until now, and falls; registers and the way to stop are looked at meanwhile.
-        stand.run(0.4);
-        let moving = stand.controller.report().moving.expect("it falls");
+        test_rig.run(0.4);
+        let moving = test_rig.controller.report().moving.expect("it falls");
         assert!(moving.mrad_s > moving.most_mrad_s, "{moving}");
-        stand.tick(Some(Command::Arm));
-        let answer = stand.controller.report().answer;
+        test_rig.tick(Some(Command::Arm));
+        let answer = test_rig.controller.report().answer;
         let Some(Err(Refused::Moving(moving))) = answer else { panic!("{answer:?}") };
         let words = Refused::Moving(moving).to_string();
         assert!(words.starts_with("the rig is moving: joint ") && words.ends_with("it rests"));
-        assert_eq!((stand.state(), stand.servos_on()), (State::Limp, 0));
+        assert_eq!((test_rig.state(), test_rig.servos_on()), (State::Limp, 0));
 
-        stand.arm();
+        test_rig.arm();
         // While torque is on it moves because it is to.
-        for _ in 0..stand.ticks_of(3.0) {
-            stand.tick(None);
-            let report = stand.controller.report();
+        for _ in 0..test_rig.ticks_of(3.0) {
+            test_rig.tick(None);
+            let report = test_rig.controller.report();
             assert!(report.raised.is_empty() && report.moving.is_none(), "{report:?}");
         }
-        assert_eq!(stand.state(), State::Holding);
+        assert_eq!(test_rig.state(), State::Holding);
     }
 }

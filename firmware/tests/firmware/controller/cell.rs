@@ -2,7 +2,7 @@
 
 use sinew_firmware::supervisor::{Fault, Reaction, State, TABLE};
 
-use super::stand::{NOTHING_A, SERVOS};
+use super::test_rig::{NOTHING_A, SERVOS};
 
 /// A controller with its servos, or a whole node.
 pub(crate) trait Tried {

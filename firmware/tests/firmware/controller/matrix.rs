@@ -10,7 +10,7 @@ use sinew_servo_sim::fault::{Fault as Damage, FaultKind};
 
 use super::cell::{Tried, measure, must_be, table};
 use super::play::show;
-use super::stand::{Kind, Planted, Stand, figure};
+use super::test_rig::{Kind, Planted, TestRig, figure};
 
 const ANN: Operator = Operator(1);
 
@@ -34,67 +34,67 @@ fn excuse(fault: Fault, state: State) -> Option<&'static str> {
 }
 
 /// A stand in a state. In `Off` a servo was never read.
-fn stand_in(state: State, fault: Fault) -> Stand {
+fn stand_in(state: State, fault: Fault) -> TestRig {
     let causes = match fault {
         Fault::WatchdogReset | Fault::BrownOut | Fault::Panic => FaultSet::of(fault),
         _ => FaultSet::EMPTY,
     };
-    let mut stand = Stand::new(Kind::Current, Start { causes, ..Start::default() });
+    let mut test_rig = TestRig::new(Kind::Current, Start { causes, ..Start::default() });
     if state == State::Off {
         let for_s = f64::INFINITY;
-        stand.bench.faults.push(Damage { servo: 5, at_s: 0.0, for_s, kind: FaultKind::Silent });
+        test_rig.bench.faults.push(Damage { servo: 5, at_s: 0.0, for_s, kind: FaultKind::Silent });
         if causes.is_empty() {
-            stand.run(0.004);
+            test_rig.run(0.004);
         }
-        return stand;
+        return test_rig;
     }
-    stand.controller.load_show(Some(show(Kind::Current, 0))).unwrap();
-    stand.run(1.0);
+    test_rig.controller.load_show(Some(show(Kind::Current, 0))).unwrap();
+    test_rig.run(1.0);
     match state {
-        State::Calibrating => stand.tick(Some(Command::Calibrate)),
-        State::Teaching => stand.tick(Some(Command::Teach)),
+        State::Calibrating => test_rig.tick(Some(Command::Calibrate)),
+        State::Teaching => test_rig.tick(Some(Command::Teach)),
         State::Faulted => {
             let other = if fault == Fault::EStop { Fault::NotFinite } else { Fault::EStop };
-            stand.found = FaultSet::of(other);
-            stand.tick(None);
-            stand.found = FaultSet::EMPTY;
+            test_rig.found = FaultSet::of(other);
+            test_rig.tick(None);
+            test_rig.found = FaultSet::EMPTY;
         }
         State::Limp | State::Off => {}
         _ => {
-            assert_eq!(stand.ask_to_arm(), None);
+            assert_eq!(test_rig.ask_to_arm(), None);
             if state != State::Arming {
-                stand.until(State::Holding, 2.0);
+                test_rig.until(State::Holding, 2.0);
             }
             match state {
-                State::Playing => stand.tick(Some(Command::Play(Feed::Show))),
-                State::Maintenance => stand.tick(Some(Command::Maintain(ANN))),
+                State::Playing => test_rig.tick(Some(Command::Play(Feed::Show))),
+                State::Maintenance => test_rig.tick(Some(Command::Maintain(ANN))),
                 State::Stopping => {
                     // Away from home first.
-                    stand.tick(Some(Command::Play(Feed::Show)));
-                    stand.run(8.0);
+                    test_rig.tick(Some(Command::Play(Feed::Show)));
+                    test_rig.run(8.0);
                     // The way home takes less than the time-out: the link was cut before.
-                    stand.heard = fault != Fault::LinkLost;
-                    stand.run(1.0);
-                    stand.tick(Some(Command::Stop));
+                    test_rig.heard = fault != Fault::LinkLost;
+                    test_rig.run(1.0);
+                    test_rig.tick(Some(Command::Stop));
                 }
-                State::Lowering => stand.tick(Some(Command::Disarm)),
-                State::Floating => stand.tick(Some(Command::Float)),
+                State::Lowering => test_rig.tick(Some(Command::Disarm)),
+                State::Floating => test_rig.tick(Some(Command::Float)),
                 _ => {}
             }
         }
     }
-    if stand.state() == State::Arming || stand.state() == State::Stopping {
+    if test_rig.state() == State::Arming || test_rig.state() == State::Stopping {
         // Some way into it.
-        stand.run(0.1);
+        test_rig.run(0.1);
     }
-    assert_eq!(stand.state(), state, "for {fault}");
-    stand
+    assert_eq!(test_rig.state(), state, "for {fault}");
+    test_rig
 }
 
 /// Makes a fault's condition, or ends it.
-fn plant(stand: &mut Stand, fault: Fault, on: bool) {
-    let is_led = stand.state() == State::Floating;
-    let at_s = if on { stand.bench.time_s() } else { f64::INFINITY };
+fn plant(test_rig: &mut TestRig, fault: Fault, on: bool) {
+    let is_led = test_rig.state() == State::Floating;
+    let at_s = if on { test_rig.bench.time_s() } else { f64::INFINITY };
     let planted = match fault {
         Fault::ServoStopped => Planted { has_stopped: true, ..Planted::default() },
         Fault::ServoError => Planted { alert: true, ..Planted::default() },
@@ -113,44 +113,44 @@ fn plant(stand: &mut Stand, fault: Fault, on: bool) {
         Fault::NotFinite => Planted { position_rad: Some(f32::NAN), ..Planted::default() },
         _ => Planted::default(),
     };
-    stand.bus.planted = if on { planted } else { Planted::default() };
+    test_rig.bus.planted = if on { planted } else { Planted::default() };
     match fault {
-        Fault::LinkLate | Fault::LinkLost => stand.heard = !on,
+        Fault::LinkLate | Fault::LinkLost => test_rig.heard = !on,
         Fault::ServoSilent => {
             // What keeps a rig off stays until it is mended.
             if !on {
-                stand.bench.faults.clear();
+                test_rig.bench.faults.clear();
             }
             let kind = FaultKind::Silent;
-            stand.bench.faults.push(Damage { servo: 0, at_s, for_s: f64::INFINITY, kind });
+            test_rig.bench.faults.push(Damage { servo: 0, at_s, for_s: f64::INFINITY, kind });
         }
         Fault::TorqueStuck if on => {
             let kind = FaultKind::TorqueStuck;
-            stand.bench.faults.push(Damage { servo: 0, at_s, for_s: f64::INFINITY, kind });
+            test_rig.bench.faults.push(Damage { servo: 0, at_s, for_s: f64::INFINITY, kind });
         }
         Fault::TorqueStuck => {
-            let now_s = stand.bench.time_s();
+            let now_s = test_rig.bench.time_s();
             let stuck = |fault: &&mut Damage| fault.kind == FaultKind::TorqueStuck;
-            for fault in stand.bench.faults.iter_mut().filter(stuck) {
+            for fault in test_rig.bench.faults.iter_mut().filter(stuck) {
                 fault.for_s = now_s - fault.at_s;
             }
         }
-        Fault::Overrun => stand.is_late = on,
+        Fault::Overrun => test_rig.is_late = on,
         Fault::SettingsBad | Fault::EStop => {
-            stand.found = if on { FaultSet::of(fault) } else { FaultSet::EMPTY };
+            test_rig.found = if on { FaultSet::of(fault) } else { FaultSet::EMPTY };
         }
-        Fault::ShowBad if on => assert!(stand.controller.load_show(Some(&[0; 40])).is_err()),
+        Fault::ShowBad if on => assert!(test_rig.controller.load_show(Some(&[0; 40])).is_err()),
         Fault::ShowForeign if on => {
-            assert!(stand.controller.load_show(Some(show(Kind::Current, 7))).is_err());
+            assert!(test_rig.controller.load_show(Some(show(Kind::Current, 7))).is_err());
         }
         Fault::ShowBad | Fault::ShowForeign => {
-            stand.controller.load_show(Some(show(Kind::Current, 0))).unwrap();
+            test_rig.controller.load_show(Some(show(Kind::Current, 0))).unwrap();
         }
         _ => {}
     }
 }
 
-impl Tried for Stand {
+impl Tried for TestRig {
     fn tick(&mut self) {
         self.tick(None);
     }
@@ -179,41 +179,41 @@ fn cell(fault: Fault, state: State) -> String {
     if let Some(why) = excuse(fault, state) {
         return why.to_owned();
     }
-    let mut stand = stand_in(state, fault);
-    plant(&mut stand, fault, true);
-    let measured = measure(&mut stand, fault, state);
+    let mut test_rig = stand_in(state, fault);
+    plant(&mut test_rig, fault, true);
+    let measured = measure(&mut test_rig, fault, state);
     let reaction = measured.reaction;
     if reaction == Reaction::Stop {
-        comes_to_rest(&mut stand, fault);
+        comes_to_rest(&mut test_rig, fault);
     }
-    let latches = stand.controller.report().latched.contains(fault);
+    let latches = test_rig.controller.report().latched.contains(fault);
     let row = &TABLE[usize::from(fault.number()) - 1];
     assert_eq!(latches, row.latches() && reaction > Reaction::Note, "{fault} in {state}");
     if latches {
-        clear(&mut stand, fault);
+        clear(&mut test_rig, fault);
     }
     measured.words(fault, state)
 }
 
 /// A rig that stops gets to its rest pose, with the fault still there.
-fn comes_to_rest(stand: &mut Stand, fault: Fault) {
+fn comes_to_rest(test_rig: &mut TestRig, fault: Fault) {
     let mut at_rest = vec![];
-    for _ in 0..stand.ticks_of(15.0) {
-        if stand.state() != State::Stopping {
+    for _ in 0..test_rig.ticks_of(15.0) {
+        if test_rig.state() != State::Stopping {
             break;
         }
-        at_rest = stand.controller.measured().to_vec();
-        stand.tick(None);
+        at_rest = test_rig.controller.measured().to_vec();
+        test_rig.tick(None);
     }
-    assert_eq!(stand.state(), State::Lowering, "{fault}");
+    assert_eq!(test_rig.state(), State::Lowering, "{fault}");
     // As near as the following error allows that is no fault.
-    for (at, home) in at_rest.iter().zip(&figure(stand.kind).home) {
+    for (at, home) in at_rest.iter().zip(&figure(test_rig.kind).home) {
         assert!((f64::from(*at) - home).abs() < 15_f64.to_radians(), "{fault}: {at} of {home}");
     }
 }
 
 /// A latched fault is not cleared while its condition is there, and by what its row says when it is over.
-fn clear(stand: &mut Stand, fault: Fault) {
+fn clear(test_rig: &mut TestRig, fault: Fault) {
     let row = &TABLE[usize::from(fault.number()) - 1];
     // Found at the start alone, or as long as torque is on.
     let was_found_once = matches!(
@@ -221,20 +221,20 @@ fn clear(stand: &mut Stand, fault: Fault) {
         Fault::WatchdogReset | Fault::BrownOut | Fault::Panic | Fault::FollowingError
     );
     if row.clears == Clears::Command && !was_found_once {
-        stand.tick(Some(Command::ClearFaults));
-        let report = stand.controller.report();
+        test_rig.tick(Some(Command::ClearFaults));
+        let report = test_rig.controller.report();
         assert!(report.latched.contains(fault), "{fault}: {:?}", report.answer);
     }
-    plant(stand, fault, false);
+    plant(test_rig, fault, false);
     // Filters follow, and servos answer again.
     if row.clears == Clears::Command {
         let mut seconds = 0;
-        while stand.controller.report().latched.contains(fault) {
-            stand.heard = true;
-            stand.run(1.0);
-            stand.tick(Some(Command::ClearFaults));
+        while test_rig.controller.report().latched.contains(fault) {
+            test_rig.heard = true;
+            test_rig.run(1.0);
+            test_rig.tick(Some(Command::ClearFaults));
             seconds += 1;
-            assert!(seconds < 400, "{fault} is not cleared: {:?}", stand.controller.report());
+            assert!(seconds < 400, "{fault} is not cleared: {:?}", test_rig.controller.report());
             // A winding takes minutes to cool, which is the detector's own test.
             if fault == Fault::HotWinding {
                 return;
@@ -242,11 +242,11 @@ fn clear(stand: &mut Stand, fault: Fault) {
         }
     } else if fault == Fault::SettingsBad {
         // By the start that an upload leads to: see `node/mismatch.rs`.
-        stand.tick(Some(Command::ClearFaults));
-        assert!(stand.controller.report().latched.contains(fault), "{fault}");
+        test_rig.tick(Some(Command::ClearFaults));
+        assert!(test_rig.controller.report().latched.contains(fault), "{fault}");
     } else {
-        stand.tick(None);
-        assert!(!stand.controller.report().latched.contains(fault), "{fault}");
+        test_rig.tick(None);
+        assert!(!test_rig.controller.report().latched.contains(fault), "{fault}");
     }
 }
 

@@ -15,6 +15,6 @@ mod play;
 mod pulses;
 mod registers;
 mod run_in;
-pub(crate) mod stand;
 pub(crate) mod swing;
+pub(crate) mod test_rig;
 mod torque_stuck;

@@ -3,8 +3,8 @@
 use sinew_firmware::controller::{Jog, Start};
 use sinew_firmware::supervisor::{Command, Fault, Feed, SOFT_MOST_RAD_S, Source, State};
 
-use super::stand::{Kind, SERVOS, Stand, figure};
 use super::swing::swing;
+use super::test_rig::{Kind, SERVOS, TestRig, figure};
 
 /// Four seconds of a rig.
 pub(crate) fn show(kind: Kind, rig: u32) -> &'static [u8] {
@@ -20,32 +20,32 @@ pub(crate) struct Seen {
 
 /// From power-on to limp, with what must hold on the way.
 pub(crate) fn perform(kind: Kind) -> Seen {
-    let mut stand = Stand::new(kind, Start::default());
-    stand.controller.load_show(Some(show(kind, 0))).unwrap();
+    let mut test_rig = TestRig::new(kind, Start::default());
+    test_rig.controller.load_show(Some(show(kind, 0))).unwrap();
     let dt_s = 1.0 / kind.rate_hz() as f32;
     let (mut before, mut was_on) = (vec![], false);
     let (mut sum, mut count, mut most) = (0.0_f64, 0.0, 0.0_f64);
     let mut goals: Option<Vec<i32>> = None;
     // One tick, and what must hold in each.
-    let mut look = |stand: &mut Stand, command| {
-        stand.tick(command);
-        assert!(stand.ended.is_ok(), "{:?}", stand.ended);
-        let report = stand.controller.report();
+    let mut look = |test_rig: &mut TestRig, command| {
+        test_rig.tick(command);
+        assert!(test_rig.ended.is_ok(), "{:?}", test_rig.ended);
+        let report = test_rig.controller.report();
         assert!(report.raised.is_empty(), "{report:?}");
-        let (q, _) = stand.controller.commanded();
+        let (q, _) = test_rig.controller.commanded();
         for ((now, before), dof) in q.iter().zip(&before).zip(figure(kind).board.dofs()) {
             let now: f32 = *now;
             let soft = matches!(report.state, State::Arming | State::Lowering);
             let most = if soft { SOFT_MOST_RAD_S } else { dof.speed };
             let moved = (now - before) / dt_s;
-            let is_on = was_on && stand.controller.permission().torque;
+            let is_on = was_on && test_rig.controller.permission().torque;
             assert!(!is_on || f32::abs(moved) <= most + 1e-3, "{moved} rad/s in {}", report.state);
         }
         // Until torque is on, what is commanded is what is measured.
-        (before, was_on) = (q.to_vec(), stand.controller.permission().torque);
-        if kind == Kind::Position && stand.servos_on() == SERVOS {
+        (before, was_on) = (q.to_vec(), test_rig.controller.permission().torque);
+        if kind == Kind::Position && test_rig.servos_on() == SERVOS {
             // Goal position (42) of an STS, 4096 steps a turn: what its speed and its offset let it move, and a step.
-            let now: Vec<i32> = stand.bench.servos().iter().map(|servo| servo.get(42)).collect();
+            let now: Vec<i32> = test_rig.bench.servos().iter().map(|servo| servo.get(42)).collect();
             for ((now, before), servo) in
                 now.iter().zip(goals.iter().flatten()).zip(figure(kind).board.servos())
             {
@@ -60,50 +60,50 @@ pub(crate) fn perform(kind: Kind) -> Seen {
         }
     };
     // Power-on: torque off goes out, and nothing else.
-    for _ in 0..stand.ticks_of(1.0) {
-        look(&mut stand, None);
-        assert!(stand.servos_on() == 0 && stand.sent_off());
+    for _ in 0..test_rig.ticks_of(1.0) {
+        look(&mut test_rig, None);
+        assert!(test_rig.servos_on() == 0 && test_rig.sent_off());
     }
-    assert_eq!(stand.state(), State::Limp);
+    assert_eq!(test_rig.state(), State::Limp);
     // It has fallen, and swings on.
-    while stand.controller.report().answer != Some(Ok(State::Arming)) {
-        look(&mut stand, Some(Command::Arm));
+    while test_rig.controller.report().answer != Some(Ok(State::Arming)) {
+        look(&mut test_rig, Some(Command::Arm));
     }
-    assert_eq!((stand.state(), stand.servos_on()), (State::Arming, SERVOS));
-    for _ in 0..stand.ticks_of(1.1) {
-        look(&mut stand, None);
+    assert_eq!((test_rig.state(), test_rig.servos_on()), (State::Arming, SERVOS));
+    for _ in 0..test_rig.ticks_of(1.1) {
+        look(&mut test_rig, None);
     }
-    assert_eq!(stand.state(), State::Holding);
-    look(&mut stand, Some(Command::Play(Feed::Show)));
+    assert_eq!(test_rig.state(), State::Holding);
+    look(&mut test_rig, Some(Command::Play(Feed::Show)));
     let mut soft_ticks = 0;
-    for _ in 0..stand.ticks_of(20.0) {
-        look(&mut stand, None);
-        let report = stand.controller.report();
+    for _ in 0..test_rig.ticks_of(20.0) {
+        look(&mut test_rig, None);
+        let report = test_rig.controller.report();
         if report.state == State::Holding {
             break;
         }
-        if stand.controller.permission().runs {
+        if test_rig.controller.permission().runs {
             let following = report.following.unwrap();
             let mean_deg = f64::from(following.mean_rad).to_degrees();
             (sum, count) = (sum + mean_deg, count + 1.0);
             most = most.max(f64::from(following.most_rad).to_degrees());
         } else {
             soft_ticks += 1;
-            let (_, qd) = stand.controller.commanded();
+            let (_, qd) = test_rig.controller.commanded();
             assert!(qd.iter().all(|v| v.abs() <= SOFT_MOST_RAD_S * 1.001), "{qd:?}");
         }
     }
     // 0.6 rad at 20 deg/s take 1.7 s, and the show waits for them.
     assert!(f64::from(soft_ticks) * f64::from(dt_s) > 1.7, "{soft_ticks}");
-    assert_eq!(stand.state(), State::Holding, "the show is over");
+    assert_eq!(test_rig.state(), State::Holding, "the show is over");
     assert!(count * f64::from(dt_s) > 3.9, "{count}");
-    look(&mut stand, Some(Command::Stop));
-    assert_eq!(stand.controller.report().source, Source::Rest);
+    look(&mut test_rig, Some(Command::Stop));
+    assert_eq!(test_rig.controller.report().source, Source::Rest);
     let mut at_rest = vec![];
-    for _ in 0..stand.ticks_of(15.0) {
-        look(&mut stand, None);
-        match stand.state() {
-            State::Stopping => at_rest = stand.controller.commanded().0.to_vec(),
+    for _ in 0..test_rig.ticks_of(15.0) {
+        look(&mut test_rig, None);
+        match test_rig.state() {
+            State::Stopping => at_rest = test_rig.controller.commanded().0.to_vec(),
             State::Limp => break,
             _ => {}
         }
@@ -111,8 +111,8 @@ pub(crate) fn perform(kind: Kind) -> Seen {
     for (at, home) in at_rest.iter().zip(&figure(kind).home) {
         assert!((f64::from(*at) - home).abs() < 2e-3, "{at} {home}");
     }
-    assert_eq!((stand.state(), stand.servos_on()), (State::Limp, 0));
-    Seen { hash: stand.hash, mean_deg: sum / count, most_deg: most }
+    assert_eq!((test_rig.state(), test_rig.servos_on()), (State::Limp, 0));
+    Seen { hash: test_rig.hash, mean_deg: sum / count, most_deg: most }
 }
 
 #[test]
@@ -133,38 +133,41 @@ fn the_same_bytes_twice() {
 }
 
 /// A desk arm that holds where it was armed.
-fn holding() -> Stand {
-    let mut stand = Stand::new(Kind::Current, Start::default());
-    stand.controller.load_show(Some(show(Kind::Current, 0))).unwrap();
-    stand.arm();
-    stand.until(State::Holding, 2.0);
-    stand
+fn holding() -> TestRig {
+    let mut test_rig = TestRig::new(Kind::Current, Start::default());
+    test_rig.controller.load_show(Some(show(Kind::Current, 0))).unwrap();
+    test_rig.arm();
+    test_rig.until(State::Holding, 2.0);
+    test_rig
 }
 
 #[test]
 fn another_show_while_one_plays_holds_the_rig() {
-    let mut stand = holding();
-    stand.tick(Some(Command::Play(Feed::Show)));
-    while !stand.controller.permission().runs {
-        stand.tick(None);
+    let mut test_rig = holding();
+    test_rig.tick(Some(Command::Play(Feed::Show)));
+    while !test_rig.controller.permission().runs {
+        test_rig.tick(None);
     }
-    stand.run(1.0);
-    assert_eq!(stand.controller.report().source, Source::Feed(Feed::Show));
-    stand.controller.load_show(Some(show(Kind::Current, 0))).unwrap();
-    stand.tick(None);
-    assert_eq!((stand.state(), stand.controller.report().source), (State::Holding, Source::Hold));
-    stand.run(1.0);
-    assert_eq!(stand.state(), State::Holding);
-    assert!(stand.controller.commanded().1.iter().all(|speed| speed.abs() < 1e-3));
+    test_rig.run(1.0);
+    assert_eq!(test_rig.controller.report().source, Source::Feed(Feed::Show));
+    test_rig.controller.load_show(Some(show(Kind::Current, 0))).unwrap();
+    test_rig.tick(None);
+    assert_eq!(
+        (test_rig.state(), test_rig.controller.report().source),
+        (State::Holding, Source::Hold)
+    );
+    test_rig.run(1.0);
+    assert_eq!(test_rig.state(), State::Holding);
+    assert!(test_rig.controller.commanded().1.iter().all(|speed| speed.abs() < 1e-3));
 }
 
 #[test]
 fn a_jog_that_is_no_number_is_a_fault() {
     for speed in [f32::NAN, f32::INFINITY] {
-        let mut stand = holding();
-        stand.jog = Some(Jog { dof: 0, speed });
-        stand.tick(Some(Command::Play(Feed::Jog)));
-        assert!(stand.controller.report().raised.contains(Fault::NotFinite));
-        assert_eq!((stand.state(), stand.servos_on()), (State::Faulted, 0));
+        let mut test_rig = holding();
+        test_rig.jog = Some(Jog { dof: 0, speed });
+        test_rig.tick(Some(Command::Play(Feed::Jog)));
+        assert!(test_rig.controller.report().raised.contains(Fault::NotFinite));
+        assert_eq!((test_rig.state(), test_rig.servos_on()), (State::Faulted, 0));
     }
 }

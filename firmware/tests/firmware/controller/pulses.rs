@@ -8,12 +8,12 @@ use sinew_rig::new;
 use sinew_servo_bus::pca9685::{Bus, ChannelSetup, Device, Prescale, start};
 use sinew_servo_bus::{Cost, Schedule, ServoBus, Timing, Traffic};
 
-use super::stand::{Kind, Live, Parts, setup};
+use super::test_rig::{Kind, Live, Parts, setup};
 
 type Face = BoardRig<16, 16, 16>;
 
 /// A face, and its chip.
-struct Stand<'f> {
+struct TestRig<'f> {
     controller: MotionController<'f, 16, 16, 16, 16>,
     bus: Bus,
     chip: Device,
@@ -21,7 +21,7 @@ struct Stand<'f> {
     ticks: u64,
 }
 
-impl<'f> Stand<'f> {
+impl<'f> TestRig<'f> {
     fn new(face: &'f Face) -> Self {
         let prescale = Prescale::new(25e6, 50.0).unwrap();
         let mut chip = Device::new(25e6);
@@ -101,8 +101,8 @@ impl<'f> Stand<'f> {
 fn after_a_stop_the_first_pulses_are_the_last_ones() {
     let rig = new::face();
     let face = Face::bake(&rig, &rig.mechanism().unwrap()).unwrap();
-    let mut stand = Stand::new(&face);
-    let home = stand.arm().pop().unwrap();
+    let mut test_rig = TestRig::new(&face);
+    let home = test_rig.arm().pop().unwrap();
 
     // Every joint far from home, within its range: farther than a servo turns in a tick.
     let away = face.dofs().iter().map(|dof| {
@@ -110,31 +110,31 @@ fn after_a_stop_the_first_pulses_are_the_last_ones() {
         let end = if dof.home < 0.5 * (least + most) { most } else { least };
         dof.home + 0.9 * (end - dof.home)
     });
-    stand.live = Live(Some(away.collect()));
-    assert_eq!(stand.tick(Some(Command::Play(Feed::Live))), State::Playing);
+    test_rig.live = Live(Some(away.collect()));
+    assert_eq!(test_rig.tick(Some(Command::Play(Feed::Live))), State::Playing);
     (0..500).for_each(|_| {
-        stand.tick(None);
+        test_rig.tick(None);
     });
-    let last = stand.pulses();
+    let last = test_rig.pulses();
     assert!(last.iter().zip(&home).all(|(last, home)| last != home), "{last:?}, {home:?}");
 
-    assert_eq!(stand.tick(Some(Command::EStop)), State::Faulted);
-    assert_eq!(stand.pulses(), vec![None; last.len()]);
-    stand.tick(Some(Command::ClearFaults));
-    let again = stand.arm();
+    assert_eq!(test_rig.tick(Some(Command::EStop)), State::Faulted);
+    assert_eq!(test_rig.pulses(), vec![None; last.len()]);
+    test_rig.tick(Some(Command::ClearFaults));
+    let again = test_rig.arm();
     assert!(!again.is_empty() && again.iter().all(|pulses| *pulses == last), "{last:?}, {again:?}");
 
     // In the middle of a way, too; one count of the chip is 4.9 us, and a path is no whole number of them.
-    stand.live = Live(Some(face.dofs().iter().map(|dof| dof.home).collect()));
-    stand.tick(Some(Command::Play(Feed::Live)));
+    test_rig.live = Live(Some(face.dofs().iter().map(|dof| dof.home).collect()));
+    test_rig.tick(Some(Command::Play(Feed::Live)));
     let on_the_way = (0..500).find_map(|_| {
-        stand.tick(None);
-        let pulses = stand.pulses();
+        test_rig.tick(None);
+        let pulses = test_rig.pulses();
         pulses.iter().zip(&last).all(|(now, last)| now != last).then_some(pulses)
     });
-    stand.tick(Some(Command::EStop));
-    stand.tick(Some(Command::ClearFaults));
-    for (first, last) in stand.arm()[0].iter().zip(on_the_way.unwrap()) {
+    test_rig.tick(Some(Command::EStop));
+    test_rig.tick(Some(Command::ClearFaults));
+    for (first, last) in test_rig.arm()[0].iter().zip(on_the_way.unwrap()) {
         let off_us = first.unwrap() - last.unwrap();
         assert!(off_us.abs() <= 5.0, "{off_us} us");
     }

@@ -4,25 +4,25 @@ use sinew_firmware::controller::Start;
 use sinew_firmware::supervisor::{Command, Refused, RegisterDiffers, Registers, State};
 use sinew_servo_sim::fault::{Fault as Damage, FaultKind};
 
-use super::stand::{Kind, SERVOS, Stand, settings_of, setup};
+use super::test_rig::{Kind, SERVOS, TestRig, settings_of, setup};
 
 const WHO: usize = 2;
 /// Both kinds of arm, with the address of their operating mode.
 const KINDS: [(Kind, u16); 2] = [(Kind::Current, 11), (Kind::Position, 33)];
 
-fn refused(stand: &mut Stand) -> Option<Refused> {
-    stand.ask_to_arm()
+fn refused(test_rig: &mut TestRig) -> Option<Refused> {
+    test_rig.ask_to_arm()
 }
 
 /// Ticks until all registers of all servos are compared; with half a second to get there.
-fn ticks_to_compare(stand: &mut Stand) -> u32 {
-    for tick in 0..stand.ticks_of(0.5) {
-        if stand.controller.report().registers != Registers::Unread {
+fn ticks_to_compare(test_rig: &mut TestRig) -> u32 {
+    for tick in 0..test_rig.ticks_of(0.5) {
+        if test_rig.controller.report().registers != Registers::Unread {
             return tick;
         }
-        stand.tick(None);
+        test_rig.tick(None);
     }
-    panic!("not all was read: {:?}", stand.controller.report());
+    panic!("not all was read: {:?}", test_rig.controller.report());
 }
 
 #[test]
@@ -32,31 +32,31 @@ fn each_register_that_differs_refuses_and_says_so_until_it_is_mended() {
             let (address, expected) = (setting.item.address, setting.raw);
             // A status level of 0 would be silence.
             let found = if expected > 1 { expected - 1 } else { expected + 1 };
-            let mut stand = Stand::new(kind, Start::default());
-            stand.bench.servos_mut()[WHO].set(address, found);
-            stand.run(0.5);
+            let mut test_rig = TestRig::new(kind, Start::default());
+            test_rig.bench.servos_mut()[WHO].set(address, found);
+            test_rig.run(0.5);
             let item = setting.item.name;
             let differs = RegisterDiffers { servo: WHO as u16, item, address, found, expected };
-            assert_eq!(refused(&mut stand), Some(Refused::RegisterDiffers(differs)), "{kind:?}");
-            assert_eq!(stand.controller.report().registers, Registers::Differ(differs));
-            assert_eq!((stand.state().is_on(), stand.servos_on()), (false, 0));
+            assert_eq!(refused(&mut test_rig), Some(Refused::RegisterDiffers(differs)), "{kind:?}");
+            assert_eq!(test_rig.controller.report().registers, Registers::Differ(differs));
+            assert_eq!((test_rig.state().is_on(), test_rig.servos_on()), (false, 0));
 
-            stand.bench.servos_mut()[WHO].set(address, expected);
-            stand.run(1.0);
-            assert_eq!(refused(&mut stand), None, "{kind:?} {item}");
-            stand.run(0.1);
-            assert_eq!((stand.state(), stand.servos_on()), (State::Arming, SERVOS));
+            test_rig.bench.servos_mut()[WHO].set(address, expected);
+            test_rig.run(1.0);
+            assert_eq!(refused(&mut test_rig), None, "{kind:?} {item}");
+            test_rig.run(0.1);
+            assert_eq!((test_rig.state(), test_rig.servos_on()), (State::Arming, SERVOS));
         }
     }
 }
 
 #[test]
 fn a_difference_is_told_in_words() {
-    let mut stand = Stand::new(Kind::Current, Start::default());
-    stand.bench.servos_mut()[WHO].set(11, 3);
-    stand.run(0.5);
+    let mut test_rig = TestRig::new(Kind::Current, Start::default());
+    test_rig.bench.servos_mut()[WHO].set(11, 3);
+    test_rig.run(0.5);
     assert_eq!(
-        refused(&mut stand).unwrap().to_string(),
+        refused(&mut test_rig).unwrap().to_string(),
         "servo 2: Operating Mode (11) is 3, it must be 0: `sinew servo apply` sets it"
     );
 }
@@ -64,26 +64,26 @@ fn a_difference_is_told_in_words() {
 #[test]
 fn arming_waits_until_all_was_read() {
     for (kind, _) in KINDS {
-        let mut stand = Stand::new(kind, Start::default());
-        assert_eq!(refused(&mut stand), Some(Refused::InState(State::Off)));
-        let ticks = ticks_to_compare(&mut stand);
+        let mut test_rig = TestRig::new(kind, Start::default());
+        assert_eq!(refused(&mut test_rig), Some(Refused::InState(State::Off)));
+        let ticks = ticks_to_compare(&mut test_rig);
         println!("{kind:?}: {SERVOS} servos are compared in {ticks} ticks");
-        assert_eq!(stand.controller.report().registers, Registers::Same);
-        assert_eq!((refused(&mut stand), stand.state()), (None, State::Arming));
-        stand.tick(Some(Command::Disarm));
-        stand.until(State::Limp, 5.0);
-        stand.tick(None);
-        assert_eq!(refused(&mut stand), Some(Refused::RegistersUnread));
-        ticks_to_compare(&mut stand);
-        assert_eq!(refused(&mut stand), None);
+        assert_eq!(test_rig.controller.report().registers, Registers::Same);
+        assert_eq!((refused(&mut test_rig), test_rig.state()), (None, State::Arming));
+        test_rig.tick(Some(Command::Disarm));
+        test_rig.until(State::Limp, 5.0);
+        test_rig.tick(None);
+        assert_eq!(refused(&mut test_rig), Some(Refused::RegistersUnread));
+        ticks_to_compare(&mut test_rig);
+        assert_eq!(refused(&mut test_rig), None);
     }
 }
 
 /// Addresses that were read by themselves in the last tick.
-fn reads(stand: &Stand) -> Vec<u16> {
+fn reads(test_rig: &TestRig) -> Vec<u16> {
     let mut addresses = Vec::new();
-    for at in 0..stand.sent.len() {
-        match (stand.kind, &stand.sent[at..]) {
+    for at in 0..test_rig.sent.len() {
+        match (test_rig.kind, &test_rig.sent[at..]) {
             (Kind::Current, &[0xFF, 0xFF, 0xFD, 0, _, 7, 0, 2, low, high, ..]) => {
                 addresses.push(u16::from_le_bytes([low, high]));
             }
@@ -97,72 +97,72 @@ fn reads(stand: &Stand) -> Vec<u16> {
 #[test]
 fn registers_are_read_while_torque_is_off_alone_one_question_a_tick() {
     for (kind, mode) in KINDS {
-        let mut stand = Stand::new(kind, Start::default());
+        let mut test_rig = TestRig::new(kind, Start::default());
         let last = settings_of(kind, &setup(kind), 0).pop().unwrap().item.address;
         let is_register = |address: &u16| *address <= last;
         let mut seen = Vec::new();
-        for _ in 0..stand.ticks_of(1.0) {
-            stand.tick(None);
-            let asked = reads(&stand).into_iter().filter(is_register);
+        for _ in 0..test_rig.ticks_of(1.0) {
+            test_rig.tick(None);
+            let asked = reads(&test_rig).into_iter().filter(is_register);
             assert!(asked.clone().count() <= 1);
             seen.extend(asked);
         }
         assert!(seen.iter().any(|from| (*from..*from + 10).contains(&mode)), "{seen:?}");
-        assert_eq!((refused(&mut stand), stand.state()), (None, State::Arming));
-        for _ in 0..stand.ticks_of(2.0) {
-            assert!(!reads(&stand).iter().any(is_register), "{kind:?}");
-            assert_eq!(stand.controller.report().overruns, 0);
-            stand.tick(None);
+        assert_eq!((refused(&mut test_rig), test_rig.state()), (None, State::Arming));
+        for _ in 0..test_rig.ticks_of(2.0) {
+            assert!(!reads(&test_rig).iter().any(is_register), "{kind:?}");
+            assert_eq!(test_rig.controller.report().overruns, 0);
+            test_rig.tick(None);
         }
-        stand.tick(Some(Command::Disarm));
-        stand.until(State::Limp, 5.0);
+        test_rig.tick(Some(Command::Disarm));
+        test_rig.until(State::Limp, 5.0);
         // Anew, whatever was known before.
-        assert_eq!(stand.controller.report().registers, Registers::Unread);
-        ticks_to_compare(&mut stand);
+        assert_eq!(test_rig.controller.report().registers, Registers::Unread);
+        ticks_to_compare(&mut test_rig);
     }
 }
 
 #[test]
 fn a_servo_that_starts_anew_in_a_performance_is_compared_before_it_is_armed_again() {
-    let mut stand = Stand::new(Kind::Current, Start::default());
-    stand.run(1.0);
-    assert_eq!(refused(&mut stand), None);
-    stand.until(State::Holding, 2.0);
+    let mut test_rig = TestRig::new(Kind::Current, Start::default());
+    test_rig.run(1.0);
+    assert_eq!(refused(&mut test_rig), None);
+    test_rig.until(State::Holding, 2.0);
     // Another one is put in its place, as the factory ships it.
-    let (at_s, for_s) = (stand.bench.time_s(), f64::INFINITY);
-    stand.bench.faults.push(Damage { servo: WHO, at_s, for_s, kind: FaultKind::Reboot });
-    stand.until(State::Lowering, 3.0);
-    stand.bench.servos_mut()[WHO].set(11, 3);
-    stand.until(State::Faulted, 5.0);
-    stand.run(0.5);
-    stand.tick(Some(Command::ClearFaults));
-    assert_eq!((stand.state(), stand.servos_on()), (State::Limp, 0));
+    let (at_s, for_s) = (test_rig.bench.time_s(), f64::INFINITY);
+    test_rig.bench.faults.push(Damage { servo: WHO, at_s, for_s, kind: FaultKind::Reboot });
+    test_rig.until(State::Lowering, 3.0);
+    test_rig.bench.servos_mut()[WHO].set(11, 3);
+    test_rig.until(State::Faulted, 5.0);
+    test_rig.run(0.5);
+    test_rig.tick(Some(Command::ClearFaults));
+    assert_eq!((test_rig.state(), test_rig.servos_on()), (State::Limp, 0));
     let item = "Operating Mode";
     let differs = RegisterDiffers { servo: WHO as u16, item, address: 11, found: 3, expected: 0 };
-    assert_eq!(refused(&mut stand), Some(Refused::RegisterDiffers(differs)));
-    stand.bench.servos_mut()[WHO].set(11, 0);
-    stand.run(0.5);
-    assert_eq!(refused(&mut stand), None);
+    assert_eq!(refused(&mut test_rig), Some(Refused::RegisterDiffers(differs)));
+    test_rig.bench.servos_mut()[WHO].set(11, 0);
+    test_rig.run(0.5);
+    assert_eq!(refused(&mut test_rig), None);
 }
 
 #[test]
 fn a_servo_that_was_silent_is_compared_anew() {
-    let mut stand = Stand::new(Kind::Position, Start::default());
-    stand.run(1.0);
-    assert_eq!(stand.controller.report().registers, Registers::Same);
-    let at_s = stand.bench.time_s();
-    stand.bench.faults.push(Damage { servo: WHO, at_s, for_s: 0.2, kind: FaultKind::Silent });
-    stand.run(0.1);
-    assert_eq!(stand.controller.report().registers, Registers::Unread);
-    stand.run(0.1);
-    ticks_to_compare(&mut stand);
+    let mut test_rig = TestRig::new(Kind::Position, Start::default());
+    test_rig.run(1.0);
+    assert_eq!(test_rig.controller.report().registers, Registers::Same);
+    let at_s = test_rig.bench.time_s();
+    test_rig.bench.faults.push(Damage { servo: WHO, at_s, for_s: 0.2, kind: FaultKind::Silent });
+    test_rig.run(0.1);
+    assert_eq!(test_rig.controller.report().registers, Registers::Unread);
+    test_rig.run(0.1);
+    ticks_to_compare(&mut test_rig);
 }
 
 #[test]
 fn a_bad_line_only_delays() {
     for (kind, _) in KINDS {
-        let mut good = Stand::new(kind, Start::default());
-        let mut bad = Stand::new(kind, Start::default());
+        let mut good = TestRig::new(kind, Start::default());
+        let mut bad = TestRig::new(kind, Start::default());
         // One reply in five is lost, cut or damaged: an LCG picks them.
         let mut seed = 7_u32;
         let mut random = |below: u32| {
@@ -182,23 +182,23 @@ fn a_bad_line_only_delays() {
                 bad.bench.faults.push(Damage { servo, at_s, for_s: 0.9 * dt_s, kind });
             }
         }
-        let ticks = [&mut good, &mut bad].map(|stand| {
-            (0..stand.ticks_of(4.0))
+        let ticks = [&mut good, &mut bad].map(|test_rig| {
+            (0..test_rig.ticks_of(4.0))
                 .find(|_| {
-                    stand.tick(None);
-                    let report = stand.controller.report();
+                    test_rig.tick(None);
+                    let report = test_rig.controller.report();
                     assert!(!matches!(report.registers, Registers::Differ(_)), "{report:?}");
                     report.registers == Registers::Same
                 })
                 .unwrap()
         });
         // Both are armed then, at rest, with a reading of each servo.
-        for stand in [&mut good, &mut bad] {
-            let is_armed = (0..stand.ticks_of(10.0)).any(|_| {
-                stand.tick(Some(Command::Arm));
-                stand.state() == State::Arming
+        for test_rig in [&mut good, &mut bad] {
+            let is_armed = (0..test_rig.ticks_of(10.0)).any(|_| {
+                test_rig.tick(Some(Command::Arm));
+                test_rig.state() == State::Arming
             });
-            assert!(is_armed, "{:?}", stand.controller.report());
+            assert!(is_armed, "{:?}", test_rig.controller.report());
         }
         println!("{kind:?}: compared after {} ticks, on a bad line after {}", ticks[0], ticks[1]);
         assert!(ticks[1] > ticks[0]);

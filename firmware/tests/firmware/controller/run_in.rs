@@ -8,7 +8,7 @@ use sinew_show::write::{Motion, Settings, write};
 use sinew_show::{Joint, Rate};
 
 use super::play::show;
-use super::stand::{Kind, Stand, figure};
+use super::test_rig::{Kind, TestRig, figure};
 
 const KIND: Kind = Kind::Current;
 /// Of the joint that is at speed: 1.9 rad/s in its middle, where the show begins.
@@ -38,47 +38,47 @@ fn at_speed() -> &'static [u8] {
 }
 
 /// A stand whose show begins to run with the next tick.
-fn at_first_pose(show: &'static [u8]) -> Stand {
-    let mut stand = Stand::new(KIND, Start::default());
-    stand.controller.load_show(Some(show)).unwrap();
-    stand.arm();
-    stand.until(State::Holding, 2.0);
-    stand.tick(Some(Command::Play(Feed::Show)));
-    while !stand.controller.permission().runs {
-        assert_eq!(stand.state(), State::Playing);
-        stand.tick(None);
+fn at_first_pose(show: &'static [u8]) -> TestRig {
+    let mut test_rig = TestRig::new(KIND, Start::default());
+    test_rig.controller.load_show(Some(show)).unwrap();
+    test_rig.arm();
+    test_rig.until(State::Holding, 2.0);
+    test_rig.tick(Some(Command::Play(Feed::Show)));
+    while !test_rig.controller.permission().runs {
+        assert_eq!(test_rig.state(), State::Playing);
+        test_rig.tick(None);
     }
-    stand
+    test_rig
 }
 
 #[test]
 fn a_show_that_starts_at_speed_is_entered_within_its_own_limits() {
-    let mut stand = at_first_pose(at_speed());
+    let mut test_rig = at_first_pose(at_speed());
     let dt_s = 1.0 / f64::from(KIND.rate_hz());
     let speed = SWING_RAD * TAU * HZ;
     // That of the sine, and what its pace adds, which rises from 0 to 1 as 3 s² - 2 s³. A tenth is left to the show's
     // own bits.
     let most = 1.1 * (speed * TAU * HZ + 1.5 * speed / RUN_IN_S);
     let mut before = 0.0;
-    for tick in 0..stand.ticks_of(3.0) {
-        let (_, qd) = stand.controller.commanded();
+    for tick in 0..test_rig.ticks_of(3.0) {
+        let (_, qd) = test_rig.controller.commanded();
         let now = f64::from(*qd.last().unwrap());
         assert!((now - before).abs() <= most * dt_s, "{before} to {now} rad/s in tick {tick}");
         assert!(now.abs() <= 1.01 * speed, "{now} rad/s in tick {tick}");
         before = now;
-        stand.tick(None);
-        assert_eq!(stand.state(), State::Playing, "{:?}", stand.controller.report());
+        test_rig.tick(None);
+        assert_eq!(test_rig.state(), State::Playing, "{:?}", test_rig.controller.report());
     }
     // Half of the run-in's time is gone, and the show is in time from then on: 100 samples a second.
-    let samples = stand.controller.report().show.unwrap().sample();
+    let samples = test_rig.controller.report().show.unwrap().sample();
     let expected = 100.0 * (3.0 - 0.5 * RUN_IN_S);
     assert!((f64::from(samples) - expected).abs() <= 1.0, "{samples} of {expected}");
 }
 
 #[test]
 fn a_show_that_starts_from_rest_is_in_time_at_once() {
-    let mut stand = at_first_pose(show(KIND, 0));
-    stand.run(1.0);
-    let samples = stand.controller.report().show.unwrap().sample();
+    let mut test_rig = at_first_pose(show(KIND, 0));
+    test_rig.run(1.0);
+    let samples = test_rig.controller.report().show.unwrap().sample();
     assert!((99..=100).contains(&samples), "{samples}");
 }

@@ -3,7 +3,7 @@
 use sinew_show::write::{Motion, Settings, write};
 use sinew_show::{Joint, Rate};
 
-use super::stand::{Kind, figure};
+use super::test_rig::{Kind, figure};
 
 /// All joints swing round a pose away from home, and end there.
 pub(crate) fn swing(kind: Kind, seconds: u32, is_loop: bool, rig: u32) -> Vec<u8> {

@@ -13,8 +13,8 @@ use super::flash::MockFlash;
 use super::hardware::Chip;
 use super::hostile::{Hostile, check_outputs};
 use super::line::Trouble;
-use super::stand::{Kind, figure, setup};
 use super::stored::{settings as defaults, show};
+use super::test_rig::{Kind, figure, setup};
 use super::world::World;
 
 const KIND: Kind = Kind::Current;

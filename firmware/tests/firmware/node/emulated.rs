@@ -10,13 +10,14 @@ use sinew_firmware::controller::Wire;
 use sinew_firmware::supervisor::{Fault, FaultSet, State};
 use sinew_link::message::{Command, Feed, Kind as ItemKind, Parts, TelemetrySetting};
 use sinew_qemu_node::built_in::BuiltIn;
-use sinew_qemu_node::message::{Bytes, End, LINE_AT_ONCE, LoopMessage, Packets, ToHost, ToNode};
-use sinew_qemu_node::node::{self, FLASH_LEN};
+use sinew_qemu_node::limits::{FLASH_LEN, LINE_AT_ONCE};
+use sinew_qemu_node::message::{Bytes, End, LoopMessage, Packets, ToHost, ToNode};
+use sinew_qemu_node::node;
 
 use super::hardware::Servos;
 use super::line::BAD;
-use super::stand::{HASH_BEGIN, Kind, SERVOS, hash_of};
 use super::stored::{item, rig, settings, show};
+use super::test_rig::{HASH_BEGIN, Kind, SERVOS, hash_of};
 use super::world::World;
 
 /// The image's path.

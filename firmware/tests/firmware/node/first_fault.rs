@@ -4,8 +4,8 @@ use sinew_firmware::supervisor::{FaultRecord, State};
 use sinew_link::message::{Applied, Command, Outcome};
 
 use super::line::Trouble;
-use super::stand::Kind;
 use super::stored::show;
+use super::test_rig::Kind;
 use super::world::World;
 
 const KIND: Kind = Kind::Current;

@@ -4,8 +4,8 @@ use sinew_firmware::supervisor::State;
 use sinew_link::message::{Command, Outcome, Parts, TelemetrySetting};
 
 use super::line::Trouble;
-use super::stand::Kind;
 use super::stored::show;
+use super::test_rig::Kind;
 use super::world::World;
 
 const KIND: Kind = Kind::Current;

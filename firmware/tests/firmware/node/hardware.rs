@@ -8,14 +8,14 @@ use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 use sinew_firmware::controller::Wire;
 use sinew_firmware::node::{Mail, Port, Safety, Shared};
 use sinew_firmware::watchdog::Complete;
-use sinew_qemu_node::node::LINE_IN_STEP;
+use sinew_qemu_node::limits::LINE_IN_STEP;
 pub(crate) use sinew_qemu_node::node::TABLE;
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::load::Arm;
 
 use super::flash::{MockFlash, PowerFailed};
 use super::host::Host;
-use super::stand::hash_of;
+use super::test_rig::hash_of;
 use super::told::Told;
 
 /// Flash that its driver and the processor both see.

@@ -7,7 +7,7 @@ use sinew_link::message::{
 use sinew_link::{Decoder, FRAME_MAX, Next, Sender, encode};
 
 use super::line::{Line, Trouble};
-use super::stand::{HASH_BEGIN, hash_of};
+use super::test_rig::{HASH_BEGIN, hash_of};
 
 pub(crate) struct Host {
     pub(crate) sender: Sender,

@@ -9,8 +9,8 @@ use sinew_link::message::{
 };
 
 use super::line::{Trouble, random};
-use super::stand::Kind;
 use super::stored::{item, show};
+use super::test_rig::Kind;
 use super::world::World;
 
 const KIND: Kind = Kind::Current;

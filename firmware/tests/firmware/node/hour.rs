@@ -6,8 +6,8 @@ use sinew_servo_bus::ServoBus;
 
 use super::ideal::Ideal;
 use super::line::Trouble;
-use super::stand::{Kind, SERVOS};
 use super::stored::show;
+use super::test_rig::{Kind, SERVOS};
 use super::world::World;
 
 /// Plays for so long, and returns the hash of all packets. Ticks take no time here: `whole` counts overruns.

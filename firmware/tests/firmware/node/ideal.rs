@@ -7,7 +7,7 @@ use sinew_servo_bus::{
     ServoBus,
 };
 
-use super::stand::hash_of;
+use super::test_rig::hash_of;
 
 pub(crate) struct Ideal(pub(crate) Vec<f32>);
 

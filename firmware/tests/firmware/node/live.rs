@@ -4,8 +4,8 @@ use sinew_firmware::supervisor::State;
 use sinew_link::message::{Command, Feed, LiveFrame, Stream};
 
 use super::line::Trouble;
-use super::stand::{Kind, figure};
 use super::stored::show;
+use super::test_rig::{Kind, figure};
 use super::world::World;
 
 const LIVE: Trouble = Trouble { lost: 100, twice: 20, flipped: 20, jitter_us: 100_000 };

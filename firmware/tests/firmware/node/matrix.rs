@@ -15,8 +15,8 @@ use super::cell::{Tried, measure, must_be, of_page, table};
 use super::emulated::Emulated;
 use super::host::next_of_upload;
 use super::line::Trouble;
-use super::stand::{Kind, NOTHING_A, is_off, most_current_a, setup};
 use super::stored::{item, rig, settings, show};
+use super::test_rig::{Kind, NOTHING_A, is_off, most_current_a, setup};
 use super::told::Lie;
 use super::world::World;
 

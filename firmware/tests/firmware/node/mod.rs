@@ -36,4 +36,4 @@ mod told;
 mod whole;
 mod world;
 
-use crate::controller::{cell, stand, swing};
+use crate::controller::{cell, swing, test_rig};

@@ -3,8 +3,8 @@
 use sinew_link::message::{Applied, Command, Outcome, PASS_MAX, PASS_WAIT_US, Pass, Refusal};
 
 use super::line::Trouble;
-use super::stand::Kind;
 use super::stored::show;
+use super::test_rig::Kind;
 use super::world::World;
 
 fn pass(baud: u32, bytes: &[u8]) -> Command {

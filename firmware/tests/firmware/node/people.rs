@@ -6,8 +6,8 @@ use sinew_link::message::{
 };
 
 use super::line::Trouble;
-use super::stand::{Kind, SERVOS};
 use super::stored::show;
+use super::test_rig::{Kind, SERVOS};
 use super::world::World;
 
 const KIND: Kind = Kind::Current;

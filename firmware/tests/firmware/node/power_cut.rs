@@ -7,8 +7,8 @@ use sinew_storage::Kind as Stored;
 use super::flash::MockFlash;
 use super::hardware::TABLE;
 use super::line::Trouble;
-use super::stand::Kind;
 use super::stored::{item, rig, settings, show};
+use super::test_rig::Kind;
 use super::world::World;
 
 const KIND: Kind = Kind::Current;

@@ -4,8 +4,8 @@ use sinew_firmware::supervisor::State;
 use sinew_link::message::{self, Applied, Command, Outcome, Refusal};
 
 use super::line::Trouble;
-use super::stand::{Kind, SERVOS};
 use super::stored::show;
+use super::test_rig::{Kind, SERVOS};
 use super::world::World;
 
 #[test]

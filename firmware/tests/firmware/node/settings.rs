@@ -6,8 +6,8 @@ use sinew_link::message::{Applied, Command, Item, Kind as ItemKind, Outcome, Ref
 
 use super::decoders;
 use super::line::{Trouble, random};
-use super::stand::Kind;
 use super::stored::{item, rig, settings, show};
+use super::test_rig::Kind;
 use super::world::World;
 
 fn write(key: u16, value: f32) -> Command {

@@ -6,8 +6,8 @@ use sinew_link::message::{
 };
 
 use super::line::Trouble;
-use super::stand::Kind;
 use super::stored::{item, rig, show};
+use super::test_rig::Kind;
 use super::world::World;
 
 const KIND: Kind = Kind::Current;

@@ -4,8 +4,8 @@ use sinew_firmware::supervisor::State;
 use sinew_link::message::{Command, Feed, Outcome, Value};
 
 use super::line::Trouble;
-use super::stand::Kind;
 use super::stored::show;
+use super::test_rig::Kind;
 use super::world::World;
 
 /// Seconds of silence until the rig holds, is lowered, and is limp.

@@ -4,8 +4,8 @@ use sinew_firmware::node::{NodeSettings, SETTINGS_SCHEMA, SHOW_SCHEMA};
 use sinew_link::message::{Item, Kind as ItemKind};
 use sinew_storage::Hash;
 
-use super::stand::{Kind, figure, setup};
 use super::swing::swing;
+use super::test_rig::{Kind, figure, setup};
 
 /// Bytes of the arm's rig, and their CRC.
 pub(crate) fn rig(kind: Kind) -> (Vec<u8>, u32) {

@@ -7,8 +7,8 @@ use sinew_link::message::{
 };
 
 use super::line::BAD;
-use super::stand::{Kind, SERVOS};
 use super::stored::{item, rig, settings, show};
+use super::test_rig::{Kind, SERVOS};
 use super::world::World;
 
 fn led_to(state: message::State) -> Outcome {

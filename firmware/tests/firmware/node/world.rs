@@ -5,7 +5,8 @@ use std::cell::RefCell;
 use sinew_firmware::node::{BackgroundTask, ControlLoop, Mail, Next, NodeSettings, Setup, start};
 use sinew_firmware::supervisor::{Fault, FaultSet, State};
 use sinew_link::message::{Applied, Command, Item, Kind as ItemKind, Outcome, Refusal};
-use sinew_qemu_node::node::{ABOUT, LINE_BPS, RIG_ROOM, commanded, first_session};
+use sinew_qemu_node::limits::{LINE_BPS, RIG_ROOM};
+use sinew_qemu_node::node::{ABOUT, commanded, first_session};
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::load::Arm;
 
@@ -14,8 +15,8 @@ use super::hardware::{Chip, HostPort, Locked, Pins, Servos, TABLE};
 use super::host::{Host, next_of_upload};
 use super::ideal::{Ideal, NoServos};
 use super::line::Trouble;
-use super::stand::{Bus, HASH_BEGIN, Kind, bench, figure, hash_of, setup};
 use super::stored::{item, rig};
+use super::test_rig::{Bus, HASH_BEGIN, Kind, bench, figure, hash_of, setup};
 use super::told::Told;
 
 type Loop = ControlLoop<'static, 8, 8, 8, 8>;

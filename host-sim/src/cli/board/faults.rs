@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use sinew_host_util::command::print;
 use sinew_link::message::Command;
 
-use super::{BoardPort, remedy, text::told};
+use super::{BoardPort, remedy, text::fault_text};
 
 /// Print the faults that a board has stored, each with its remedy; or clear the faults.
 ///
@@ -27,7 +27,7 @@ pub(super) fn run(args: &FaultsArgs) -> anyhow::Result<ExitCode> {
     let records = board.fault_log()?;
     let mut text = String::new();
     for record in &records {
-        text.extend([format!("{}\n", told(record))]);
+        text.extend([format!("{}\n", fault_text(record))]);
         if let Some(remedy) = remedy(record.fault) {
             text.extend([format!("  {remedy}\n")]);
         }

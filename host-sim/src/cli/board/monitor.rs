@@ -8,7 +8,7 @@ use sinew_host_util::command::{note, print};
 use sinew_link::message::{Parts, Summary};
 
 use super::{BoardPort, cycles, named};
-use crate::cli::play::stop::Stop;
+use crate::cli::stop::Stop;
 
 /// Print the state of a board's rig: state, fault, supply, tick, bus errors, heat.
 ///
@@ -45,7 +45,7 @@ pub(super) fn run(args: &MonitorArgs) -> anyhow::Result<ExitCode> {
     while stop.times() == 0 && args.samples.is_none_or(|most| lines < most) {
         board.step(Duration::from_millis(50))?;
         for fault in board.seen.faults.iter().skip(faults) {
-            print(&format!("{}\n", super::text::told(fault)))?;
+            print(&format!("{}\n", super::text::fault_text(fault)))?;
         }
         faults = board.seen.faults.len();
         let Some(summary) = board.seen.summary else { continue };

@@ -17,7 +17,7 @@ use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_servo_sim::port::Port;
 
 use crate::cli::driven::DrivenArgs;
-use crate::cli::record::leads;
+use crate::cli::record::read_guide;
 use crate::cli::rig::read;
 
 /// The loop's arrays are sized for the largest board.
@@ -98,10 +98,10 @@ fn serve(args: &SimulateArgs) -> anyhow::Result<ExitCode> {
     let port = Port::open(&args.pty, BAUD).context("--pty")?;
     print("ready\n")?;
     let way = |file: &PathBuf| {
-        leads(&rig, Some(file.as_path()).filter(|file| *file != Path::new(BUILT_IN)))
+        read_guide(&rig, Some(file.as_path()).filter(|file| *file != Path::new(BUILT_IN)))
     };
-    let leads = args.guide.as_ref().map(way).transpose()?;
-    let hand = leads.map(|leads| ScriptedHand::new(&rig.mechanism, leads));
+    let guide = args.guide.as_ref().map(way).transpose()?;
+    let hand = guide.map(|guide| ScriptedHand::new(&rig.mechanism, guide));
     let (mut was_led, mut begun_us) = (false, None);
     board.serve(&port, &stop, |board| {
         let Some(hand) = &hand else { return };

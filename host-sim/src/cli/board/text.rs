@@ -33,7 +33,7 @@ pub(in crate::cli) fn tell_faults<L: Line>(board: &Board<L>) {
 }
 
 /// Where and when a fault came.
-pub(super) fn told(record: &FaultRecord) -> String {
+pub(super) fn fault_text(record: &FaultRecord) -> String {
     let FaultRecord { fault, state, servo, start, time_us, times } = *record;
     let servo = servo.map_or_else(String::new, |servo| format!(", servo {servo}"));
     let again = if times > 1 { format!(", {times} times") } else { String::new() };

@@ -11,8 +11,8 @@ use sinew_link::message::{Command, Feed, Parts as Told, State, Summary};
 use sinew_performance::play::Parts;
 use sinew_show::Show;
 
-use super::stop::Stop;
 use crate::cli::board::{READY, arm, check_rig, named, open, put_show, tell_faults};
+use crate::cli::stop::Stop;
 
 /// How often the state is looked at.
 const LOOK: Duration = Duration::from_millis(50);

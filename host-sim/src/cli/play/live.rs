@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use sinew_firmware::supervisor::{Moving, State};
 use sinew_host_util::command::note;
-use sinew_performance::play::Stand;
+use sinew_performance::play::SimulatedRig;
 use sinew_servo_sim::plant::RigPlant;
 use sinew_show::Show;
 
@@ -35,12 +35,12 @@ impl Live {
     }
 
     /// After a tick. `waits_for`: what moves before the rig is armed.
-    pub(super) fn show(&mut self, stand: &Stand<'_, RigPlant>, waits_for: Option<Moving>) {
-        let report = stand.report();
-        self.ran += u64::from(stand.permission().runs);
+    pub(super) fn show(&mut self, sim: &SimulatedRig<'_, RigPlant>, waits_for: Option<Moving>) {
+        let report = sim.report();
+        self.ran += u64::from(sim.permission().runs);
         if self.state != Some(report.state) {
             self.state = Some(report.state);
-            self.tell(format_args!("{:7.2} s  {}", stand.time_s(), report.state));
+            self.tell(format_args!("{:7.2} s  {}", sim.time_s(), report.state));
         }
         if let Some(moving) = waits_for
             && !std::mem::replace(&mut self.has_waited, true)
@@ -48,16 +48,16 @@ impl Live {
             let [now, most] = moving.rad_s();
             self.tell(format_args!(
                 "{:7.2} s  waits until the rig rests: {} at {now:.2} rad/s, at most {most:.2}",
-                stand.time_s(),
-                stand.parts.names[usize::from(moving.dof)],
+                sim.time_s(),
+                sim.parts.names[usize::from(moving.dof)],
             ));
         }
         for fault in report.raised.iter() {
-            self.tell(format_args!("{:7.2} s  {fault}", stand.time_s()));
+            self.tell(format_args!("{:7.2} s  {fault}", sim.time_s()));
         }
         if !self.bar.is_hidden() && self.shown.elapsed() >= EVERY {
             self.shown = Instant::now();
-            self.bar.set_message(self.lines(stand));
+            self.bar.set_message(self.lines(sim));
         }
     }
 
@@ -70,8 +70,8 @@ impl Live {
         self.bar.suspend(|| note(line));
     }
 
-    fn lines(&self, stand: &Stand<'_, RigPlant>) -> String {
-        let (report, parts) = (stand.report(), stand.parts);
+    fn lines(&self, sim: &SimulatedRig<'_, RigPlant>) -> String {
+        let (report, parts) = (sim.report(), sim.parts);
         let played_s = self.ran as f64 / f64::from(parts.rate_hz);
         let played_s =
             if self.is_loop { played_s % self.show_s } else { played_s.min(self.show_s) };
@@ -82,9 +82,9 @@ impl Live {
         let mut text = format!(
             "{:7.2} s  {}, tick {}, show {played_s:.2} of {:.2} s{error}\n  \
              {:<20} {:>9} {:>10} {:>9} {:>7}  limited by",
-            stand.time_s(),
+            sim.time_s(),
             report.state,
-            stand.ticks(),
+            sim.ticks(),
             self.show_s,
             "joint",
             "error deg",
@@ -95,24 +95,24 @@ impl Live {
         let mut worst: Vec<usize> =
             (0..parts.names.len()).filter(|joint| parts.drives[*joint].is_some()).collect();
         // Of servos that tell nothing that of the simulated rig.
-        let simulated = stand.simulated_errors();
+        let simulated = sim.simulated_errors();
         let error = |joint: usize| {
             if parts.tells_nothing(joint) { simulated[joint] } else { report.dofs[joint].error }
         };
         let size = |joint: &usize| error(*joint).abs();
         worst.sort_by(|a, b| size(b).total_cmp(&size(a)));
         for joint in worst.into_iter().take(WORST) {
-            text += &line(stand, joint, error(joint));
+            text += &line(sim, joint, error(joint));
         }
         text
     }
 }
 
-fn line(stand: &Stand<'_, RigPlant>, joint: usize, error: f32) -> String {
-    let parts = stand.parts;
-    let dof = stand.report().dofs[joint];
+fn line(sim: &SimulatedRig<'_, RigPlant>, joint: usize, error: f32) -> String {
+    let parts = sim.parts;
+    let dof = sim.report().dofs[joint];
     let servo = parts.first_servo[joint].unwrap_or_default();
-    let told = &stand.report().servos[servo];
+    let told = &sim.report().servos[servo];
     let number = |number: Option<f32>, digits: usize| {
         number.map_or_else(String::new, |x| format!("{x:.digits$}"))
     };
@@ -121,8 +121,8 @@ fn line(stand: &Stand<'_, RigPlant>, joint: usize, error: f32) -> String {
         parts.names[joint],
         error.to_degrees(),
         dof.effort,
-        number(stand.current_a(servo), 2),
+        number(sim.current_a(servo), 2),
         number(told.temperature_c, 0),
-        stand.limiter(joint).unwrap_or_default()
+        sim.limiter(joint).unwrap_or_default()
     )
 }

@@ -14,7 +14,7 @@ use sinew_performance::teach::{Mode, check_servos, rows};
 use sinew_retarget::feasibility::RigMotion;
 
 use crate::cli::board::{PortBoard, READY, arm, check_rig, open, tell_faults};
-use crate::cli::play::stop::Stop;
+use crate::cli::stop::Stop;
 
 /// Poses a second that are asked for: a hand's motion has nothing above 6 Hz.
 const RATE_HZ: f32 = 100.0;
@@ -38,14 +38,14 @@ pub(super) fn led(
     let tick_s = f64::from(board.telemetry(f32::MAX, Told::SUMMARY)?.rate_hz).recip();
     let told = board.telemetry(RATE_HZ, Told::SUMMARY.and(Told::POSE))?;
     ensure!(told.rate_hz > 0.0, "the controller sends no poses");
-    let mut lesson = Lesson { board, stop: Stop::new()?, state: None, bar: bar()? };
-    let led = lesson.run(mode, seconds);
-    lesson.bar.finish_and_clear();
+    let mut session = TeachSession { board, stop: Stop::new()?, state: None, bar: bar()? };
+    let led = session.run(mode, seconds);
+    session.bar.finish_and_clear();
     // Whatever came between: the rig is limp before this ends, or a second Ctrl-C came.
-    let stopped = lesson.limp();
+    let stopped = session.limp();
     led?;
     stopped?;
-    let poses = lesson.board.seen.poses.take().unwrap_or_default();
+    let poses = session.board.seen.poses.take().unwrap_or_default();
     Ok(rows(&rig.mechanism, &poses, tick_s, f64::from(told.rate_hz).recip())?)
 }
 
@@ -53,14 +53,14 @@ fn bar() -> anyhow::Result<ProgressBar> {
     Ok(ProgressBar::new_spinner().with_style(ProgressStyle::with_template("{msg}")?))
 }
 
-struct Lesson {
+struct TeachSession {
     board: PortBoard,
     stop: Stop,
     state: Option<State>,
     bar: ProgressBar,
 }
 
-impl Lesson {
+impl TeachSession {
     fn run(&mut self, mode: Mode, seconds: Option<f64>) -> anyhow::Result<()> {
         let taught = if mode == Mode::Float { State::Floating } else { State::Teaching };
         let begun = self.board.now();

@@ -10,8 +10,8 @@ use sinew_host_util::command::{print, table};
 use sinew_performance::rig::review;
 use sinew_rig::review::{Loop, Review, Severity};
 
-use super::read_as;
-use crate::cli::told::ToldArgs;
+use super::files::read_as;
+use crate::cli::unit_args::UnitArgs;
 
 /// Check a rig: loads, speeds, inertias, stable gains, resolution and current, joint by joint.
 ///
@@ -23,7 +23,7 @@ pub(super) struct CheckArgs {
     rig: PathBuf,
 
     #[command(flatten)]
-    told: ToldArgs,
+    units: UnitArgs,
 
     #[command(flatten)]
     control: LoopArgs,
@@ -75,7 +75,7 @@ enum Format {
 
 /// Checks and prints. A fault is a bad result.
 pub(super) fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
-    let loaded = read_as(&args.rig, &args.told.import())?;
+    let loaded = read_as(&args.rig, &args.units.import())?;
     let review = review(&loaded, args.control.control())?;
     print(&match args.format {
         Format::Words => words(&loaded.description.name, &loaded.mechanism, &review),

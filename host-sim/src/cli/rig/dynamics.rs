@@ -7,8 +7,8 @@ use std::process::ExitCode;
 use sinew_host_util::command::print;
 use sinew_performance::rig::{dof_names, inverse_dynamics};
 
-use super::read_as;
-use crate::cli::told::ToldArgs;
+use super::files::read_as;
+use crate::cli::unit_args::UnitArgs;
 
 /// Compute the efforts that given motions take: CSV from standard input, CSV to standard output.
 ///
@@ -23,7 +23,7 @@ pub(super) struct DynamicsArgs {
     rig: PathBuf,
 
     #[command(flatten)]
-    told: ToldArgs,
+    units: UnitArgs,
 
     /// Include the rotors' inertias, as seen through their gears.
     #[arg(long)]
@@ -36,7 +36,7 @@ pub(super) struct DynamicsArgs {
 
 /// Computes and prints.
 pub(super) fn run(args: &DynamicsArgs) -> anyhow::Result<ExitCode> {
-    let loaded = read_as(&args.rig, &args.told.import())?;
+    let loaded = read_as(&args.rig, &args.units.import())?;
     if args.header {
         print(&format!("{}\n", dof_names(&loaded.mechanism).join(",")))?;
     } else {

@@ -11,8 +11,8 @@ use sinew_rig::import::Options;
 use sinew_rig::review;
 use sinew_rig::toml_file;
 
-use super::Target;
-use crate::cli::told::ToldArgs;
+use super::files::OutputArgs;
+use crate::cli::unit_args::UnitArgs;
 
 /// Write a rig.toml from a URDF or an MJCF file. It says what it changed, filled in or left out.
 #[derive(Debug, clap::Args)]
@@ -42,10 +42,10 @@ pub(super) struct ImportArgs {
     inertia_g_mm2: Vec<String>,
 
     #[command(flatten)]
-    told: ToldArgs,
+    units: UnitArgs,
 
     #[command(flatten)]
-    target: Target,
+    target: OutputArgs,
 }
 
 /// Reads and writes.
@@ -54,7 +54,7 @@ pub(super) fn run(args: &ImportArgs) -> anyhow::Result<ExitCode> {
         cut: args.cut.clone(),
         open_loops: args.open_loops,
         repair_inertia: args.repair_inertia,
-        ..args.told.import()
+        ..args.units.import()
     };
     let mut loaded = load(&args.file, &options)?;
     for name in &args.turn_axis {

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use sinew_rig::{new, toml_file};
 
-use super::Target;
+use super::files::OutputArgs;
 
 /// Write a rig to start from, with plausible numbers that you replace by yours.
 #[derive(Debug, clap::Args)]
@@ -19,7 +19,7 @@ pub(super) struct NewArgs {
     face: bool,
 
     #[command(flatten)]
-    target: Target,
+    target: OutputArgs,
 }
 
 /// Writes it.

@@ -7,8 +7,8 @@ use sinew_performance::rig::review;
 use sinew_report::rig::page;
 
 use super::check::LoopArgs;
-use super::{read_as, write_file};
-use crate::cli::told::ToldArgs;
+use super::files::{read_as, write_file};
+use crate::cli::unit_args::UnitArgs;
 
 /// Write a page that shows the rig in 3D: a slider for each joint, its axes, ranges and loads.
 ///
@@ -20,7 +20,7 @@ pub(super) struct ViewArgs {
     rig: PathBuf,
 
     #[command(flatten)]
-    told: ToldArgs,
+    units: UnitArgs,
 
     /// Page to write.
     #[arg(short, long, value_name = "FILE.html", default_value = "rig.html")]
@@ -32,7 +32,7 @@ pub(super) struct ViewArgs {
 
 /// Draws.
 pub(super) fn run(args: &ViewArgs) -> anyhow::Result<ExitCode> {
-    let loaded = read_as(&args.rig, &args.told.import())?;
+    let loaded = read_as(&args.rig, &args.units.import())?;
     let review = review(&loaded, args.control.control())?;
     write_file(&args.output, &page(&loaded.description.name, &loaded.mechanism, &review))?;
     Ok(ExitCode::SUCCESS)

@@ -12,7 +12,7 @@ use sinew_servo_tools::calibrate::{Calibration, LOOK_EVERY, drives_of, home_of, 
 use sinew_servo_tools::rig_file::{edited, replace};
 use sinew_servo_tools::rig_servo::{RigServo, of_bus};
 
-use super::LineArgs;
+use super::line::LineArgs;
 use super::line::PortClient;
 use super::rig::find_rate;
 

@@ -1,6 +1,7 @@
 //! `sinew servo`: bus servos before they move.
 
 mod calibrate;
+mod format;
 mod line;
 mod one;
 mod registers;
@@ -82,13 +83,4 @@ fn on_line(args: &ServoArgs) -> anyhow::Result<ExitCode> {
         #[cfg(unix)]
         Command::Simulate(args) => servos::run(args),
     }
-}
-
-/// What to print.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum Format {
-    /// A table.
-    Words,
-    /// One JSON object.
-    Json,
 }

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use sinew_host_util::command::print;
 use sinew_servo_tools::{address, identify as service};
 
-use super::LineArgs;
+use super::line::LineArgs;
 
 /// Change a servo's id. Fails if a servo answers at the new id already.
 #[derive(Debug, clap::Args)]

@@ -6,7 +6,8 @@ use anyhow::Context as _;
 use sinew_host_util::command::{print, table};
 use sinew_servo_tools::registers::{self, Number, Reading};
 
-use super::{Format, LineArgs};
+use super::format::Format;
+use super::line::LineArgs;
 
 /// Read registers by name: values in degrees, A, V, %, and raw numbers. Without a name, read all registers.
 #[derive(Debug, clap::Args)]

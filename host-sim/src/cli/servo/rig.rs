@@ -10,8 +10,8 @@ use sinew_servo_tools::desired::{Mode, desired};
 use sinew_servo_tools::rig_servo::{RigServo, of_bus};
 use sinew_servo_tools::{ServiceError, Servo};
 
-use super::line::PortClient;
-use super::{Format, LineArgs};
+use super::format::Format;
+use super::line::{LineArgs, PortClient};
 use crate::cli::rig::read;
 
 /// The rig, and the quantity that its servos control.
@@ -57,11 +57,11 @@ impl From<ModeArg> for Mode {
 }
 
 /// A servo of a rig, and the same on the line, or why it is not there.
-pub(super) type OnLine = (RigServo, Result<Servo, ServiceError>);
+pub(super) type FoundServo = (RigServo, Result<Servo, ServiceError>);
 
 impl RigArgs {
     /// The rig's servos on the port.
-    pub(super) fn servos(&self, line: &LineArgs) -> anyhow::Result<(PortClient, Vec<OnLine>)> {
+    pub(super) fn servos(&self, line: &LineArgs) -> anyhow::Result<(PortClient, Vec<FoundServo>)> {
         let rig = read(&self.rig)?.description;
         let servos = of_bus(&rig, self.rig_bus.as_deref())?;
         let mut client = line.client()?;

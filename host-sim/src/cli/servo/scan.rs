@@ -5,7 +5,8 @@ use std::process::ExitCode;
 use sinew_host_util::command::{note, print, table};
 use sinew_servo_tools::{Found, ScanEvent, ScanSettings, scan};
 
-use super::{Format, LineArgs};
+use super::format::Format;
+use super::line::LineArgs;
 
 /// Search for servos at all rates of both protocols, or at those that --protocol and --baud name.
 ///

@@ -12,7 +12,7 @@ use sinew_servo_tools::rig_servo::of_bus;
 use sinew_servo_tools::watch::{State, look};
 use sinew_servo_tools::{ScanSettings, ServiceError, Servo, scan};
 
-use super::LineArgs;
+use super::line::LineArgs;
 use super::line::PortClient;
 use super::rig::find_rate;
 use crate::cli::rig::read;

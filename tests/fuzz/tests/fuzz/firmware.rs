@@ -21,12 +21,12 @@ mod ideal;
 mod inputs;
 #[path = "../../../../firmware/tests/firmware/node/line.rs"]
 mod line;
-#[path = "../../../../firmware/tests/firmware/controller/stand.rs"]
-mod stand;
 #[path = "../../../../firmware/tests/firmware/node/stored.rs"]
 mod stored;
 #[path = "../../../../firmware/tests/firmware/controller/swing.rs"]
 mod swing;
+#[path = "../../../../firmware/tests/firmware/controller/test_rig.rs"]
+mod test_rig;
 #[path = "../../../../firmware/tests/firmware/node/told.rs"]
 mod told;
 #[path = "../../../../firmware/tests/firmware/node/world.rs"]

@@ -11,9 +11,9 @@ use sinew_servo_sim::bench::Branch;
 use sinew_servo_sim::line::{Line, LineDevice as _, run_all};
 use sinew_servo_sim::load::Plant;
 
+use crate::play::Wires;
 use crate::play::bus::Buses;
 use crate::play::exchange::exchange;
-use crate::play::stand::Wires;
 
 /// The buses of all lines. What goes over the lines each plans for itself, while the [`Wire`] is asked.
 pub(super) struct AllLines<'b> {

@@ -8,6 +8,7 @@
 //! on a pseudo-terminal.
 
 mod bus;
+mod error;
 mod flash;
 mod node;
 #[cfg(unix)]
@@ -17,5 +18,6 @@ mod simulated;
 mod tests;
 mod wiring;
 
+pub use error::BoardError;
 pub use flash::Chip;
-pub use simulated::{BoardError, SimulatedBoard};
+pub use simulated::SimulatedBoard;

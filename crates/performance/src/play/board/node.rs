@@ -12,8 +12,8 @@ use sinew_firmware::watchdog::Complete;
 use sinew_link::message::About;
 use sinew_wiring::{LINES, Wiring};
 
+use super::error::BoardError;
 use super::flash::{Chip, TABLE};
-use super::simulated::BoardError;
 use crate::play::{BODIES, COORDINATES, DOFS, Parts, SERVOS};
 
 /// Room for the longest rig in its compact form.

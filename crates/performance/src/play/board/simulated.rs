@@ -13,37 +13,19 @@ use sinew_servo_sim::line::{Line, LineDevice as _, run_all};
 use sinew_servo_sim::load::Plant;
 use sinew_servo_sim::plant::{Hand, RigPlant};
 use sinew_storage::{Approver, Descriptor, Kind, Store};
-use thiserror::Error;
 
 use super::bus::{AllLines, Servos};
+use super::error::BoardError;
 use super::flash::{Chip, TABLE};
 use super::node::{HostPort, Node, Pins};
 use crate::play::bus::Buses;
-use crate::play::stand::{Memory, StandError, Wires, lines};
-use crate::play::{BODIES, COORDINATES, DOFS, Parts, PartsError, SERVOS, pulses};
+use crate::play::simulated_lines::lines;
+use crate::play::{BODIES, COORDINATES, DOFS, Memory, Parts, SERVOS, Wires, pulses};
 
 /// Steps below the loop in each tick: they take 64 bytes each.
 const STEPS: u32 = 8;
 /// Who stands for the rig that a simulated board has built in.
 const APPROVER: &str = "simulated board";
-
-/// Why there is no simulated board.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum BoardError {
-    /// Its servos cannot be.
-    #[error(transparent)]
-    Stand(#[from] StandError),
-    /// A line cannot be.
-    #[error(transparent)]
-    Parts(#[from] PartsError),
-    /// Its flash cannot be read.
-    #[error("the board's flash cannot be used: {0}")]
-    Flash(String),
-    /// The rig has no compact form that fits.
-    #[error("the rig is too large for the board: {0}")]
-    Rig(String),
-}
 
 /// A board, its power on.
 pub struct SimulatedBoard<'a, P> {
@@ -229,14 +211,6 @@ impl<P: Plant> sinew_board_client::Line for SimulatedBoard<'_, P> {
 
     fn now(&self) -> Duration {
         Duration::from_micros(self.now_us())
-    }
-}
-
-impl Parts {
-    /// The buses of all lines.
-    pub(in crate::play) fn all_buses(&self) -> Result<Buses, PartsError> {
-        let places = self.servos.iter().map(|part| part.place).collect();
-        Ok(Buses::new(self.buses()?, places))
     }
 }
 

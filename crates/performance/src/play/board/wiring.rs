@@ -3,7 +3,7 @@
 use sinew_wiring::{LINES, Line, Servo, Wiring};
 
 use super::node::RIG_ROOM;
-use crate::play::line::OfLine;
+use crate::play::line_setup::LineSetup;
 use crate::play::{Parts, SERVOS};
 
 impl Parts {
@@ -41,7 +41,7 @@ impl Parts {
     }
 
     fn wired(&self) -> Option<Wiring<LINES, SERVOS>> {
-        let of_lines: Vec<OfLine> = self.lines.iter().map(|line| self.of_line(line)).collect();
+        let setups: Vec<LineSetup> = self.lines.iter().map(|line| self.line_setup(line)).collect();
         let mut wiring = Wiring {
             rate_hz: self.rate_hz,
             latest: self.schedules.iter().position(|of| *of == self.schedule).unwrap_or_default(),
@@ -49,14 +49,14 @@ impl Parts {
             lines: heapless::Vec::new(),
             servos: heapless::Vec::new(),
         };
-        for (line, of_line) in self.lines.iter().zip(&of_lines) {
+        for (line, setup) in self.lines.iter().zip(&setups) {
             let load = line.load(&self.servos);
-            let (protocol, timing, traffic) = (of_line.protocol(), load.timing, load.traffic);
+            let (protocol, timing, traffic) = (setup.protocol(), load.timing, load.traffic);
             wiring.lines.push(Line { protocol, timing, traffic }).ok()?;
         }
         for (part, setup) in self.servos.iter().zip(&self.setups) {
             let (line, place) = part.place;
-            let on_line = of_lines.get(line)?.on_line(place)?;
+            let on_line = setups.get(line)?.servo(place)?;
             wiring.servos.push(Servo { line, on_line, setup: *setup }).ok()?;
         }
         Some(wiring)

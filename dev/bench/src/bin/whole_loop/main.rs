@@ -6,13 +6,13 @@
 #![no_std]
 #![no_main]
 
-mod stand;
+mod test_rig;
 
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use sinew_bench::emulated::{self, count_tick};
 
-use stand::{Bus, MotionController, Rig, Stand};
+use test_rig::{Bus, MotionController, Rig, TestRig};
 
 /// An arm of so many servos, and a show of it (`build.rs`).
 macro_rules! arm {
@@ -28,19 +28,19 @@ macro_rules! arm {
 struct Servos<const N: usize>;
 
 trait Of {
-    type Stand<'a>: Ticks;
+    type TestRig<'a>: Ticks;
 }
 
 impl Of for Servos<6> {
-    type Stand<'a> = Stand<'a, 7, 6>;
+    type TestRig<'a> = TestRig<'a, 7, 6>;
 }
 
 impl Of for Servos<20> {
-    type Stand<'a> = Stand<'a, 21, 20>;
+    type TestRig<'a> = TestRig<'a, 21, 20>;
 }
 
 impl Of for Servos<40> {
-    type Stand<'a> = Stand<'a, 41, 40>;
+    type TestRig<'a> = TestRig<'a, 41, 40>;
 }
 
 /// What is ticked.
@@ -49,7 +49,7 @@ trait Ticks {
     fn tick(&mut self) -> Result<(), &'static str>;
 }
 
-impl<const B: usize, const N: usize> Ticks for Stand<'_, B, N> {
+impl<const B: usize, const N: usize> Ticks for TestRig<'_, B, N> {
     #[expect(
         clippy::inline_always,
         reason = "the frame of the function that is measured has it all"
@@ -71,12 +71,12 @@ fn main() -> ! {
 
 fn measure<const B: usize, const N: usize>((rig, show): (&[u8], &[u8])) -> Result<(), &'static str>
 where
-    Servos<N>: for<'a> Of<Stand<'a> = Stand<'a, B, N>>,
+    Servos<N>: for<'a> Of<TestRig<'a> = TestRig<'a, B, N>>,
 {
     let crc = u32::from_le_bytes(*rig.last_chunk().ok_or("there is no rig")?);
     let board = Rig::<B, N>::decode(rig).map_err(|_| "the rig cannot be read")?;
-    let mut stand = Stand::new(&board, crc, show)?;
-    count_tick::<N, _>("loop_recommended", |_| loop_tick::<N>(&mut stand))?;
+    let mut test_rig = TestRig::new(&board, crc, show)?;
+    count_tick::<N, _>("loop_recommended", |_| loop_tick::<N>(&mut test_rig))?;
     for (name, bytes) in [
         ("loop_controller", size_of::<MotionController<B, N>>()),
         ("loop_rig", size_of::<Rig<B, N>>()),
@@ -92,11 +92,13 @@ where
 
 /// A tick, in a function of its own.
 #[inline(never)]
-fn loop_tick<const N: usize>(stand: &mut <Servos<N> as Of>::Stand<'_>) -> Result<(), &'static str>
+fn loop_tick<const N: usize>(
+    test_rig: &mut <Servos<N> as Of>::TestRig<'_>,
+) -> Result<(), &'static str>
 where
     Servos<N>: Of,
 {
-    stand.tick()
+    test_rig.tick()
 }
 
 #[panic_handler]

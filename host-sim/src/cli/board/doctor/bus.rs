@@ -7,8 +7,8 @@ use sinew_performance::play::{Line, Parts};
 use sinew_servo_sim::rig::RigServo;
 use sinew_servo_tools::{Client, Protocol, ServiceError, Settings};
 
-use super::Findings;
-use super::Verdict::{Doubtful, Ok as Well, Wrong};
+use super::findings::Findings;
+use super::findings::Verdict::{Doubtful, Ok as Well, Wrong};
 use crate::cli::board::PortBoard;
 
 /// Questions to each servo at its own rate.

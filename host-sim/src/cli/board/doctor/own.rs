@@ -6,8 +6,8 @@ use sinew_firmware::node::{RIG_SCHEMA, SETTINGS_SCHEMA, SHOW_SCHEMA};
 use sinew_link::message::{Cycles, Health, Item, Parts as Told, Place, State, Version};
 use sinew_performance::play::Parts;
 
-use super::Findings;
-use super::Verdict::{Doubtful, Ok as Well, Wrong};
+use super::findings::Findings;
+use super::findings::Verdict::{Doubtful, Ok as Well, Wrong};
 use crate::cli::board::{PortBoard, cycles, named, remedy};
 
 /// For so long it is listened to.

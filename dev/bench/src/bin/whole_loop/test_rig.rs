@@ -44,7 +44,7 @@ const STALL_NM: f32 = 0.52;
 const PATIENCE: u32 = 400;
 
 /// Controller, bus, and what servos answer.
-pub(crate) struct Stand<'a, const B: usize, const N: usize> {
+pub(crate) struct TestRig<'a, const B: usize, const N: usize> {
     controller: MotionController<'a, B, N>,
     bus: Unregistered<N>,
     answers: Answers<N>,
@@ -80,7 +80,7 @@ impl<const L: usize> Answer<L> {
     }
 }
 
-impl<'a, const B: usize, const N: usize> Stand<'a, B, N> {
+impl<'a, const B: usize, const N: usize> TestRig<'a, B, N> {
     /// An arm that plays this show.
     pub(crate) fn new(
         rig: &'a Rig<B, N>,
@@ -108,9 +108,9 @@ impl<'a, const B: usize, const N: usize> Stand<'a, B, N> {
         let bus = Bus::new(&setups, schedule, Settings { fast: true, retries: 1 });
         let bus = Unregistered(bus.map_err(|_| "no such bus")?);
         let answers = Answers { motion: Answer::NONE, slow: [Answer::NONE; N] };
-        let mut stand = Self { controller, bus, answers, ticks: 0 };
-        stand.until_it_plays(rig, table)?;
-        Ok(stand)
+        let mut test_rig = Self { controller, bus, answers, ticks: 0 };
+        test_rig.until_it_plays(rig, table)?;
+        Ok(test_rig)
     }
 
     /// Servos that are at home, and stay there.

@@ -5,8 +5,8 @@ use sinew_rig::Mechanism;
 use sinew_servo_sim::plant::RigPlant;
 use thiserror::Error;
 
-use super::{Leads, ScriptedHand};
-use crate::play::{Drive, Parts, Stand};
+use super::{GuideTrajectory, ScriptedHand};
+use crate::play::{Drive, Parts, SimulatedRig};
 
 /// After so long a rig that is not ready will not be, s.
 const READY_S: f64 = 10.0;
@@ -22,7 +22,7 @@ pub enum Mode {
 
 /// Why nothing was taught.
 #[derive(Debug, Error)]
-pub enum LessonError {
+pub enum TeachSessionError {
     /// Servos that take no effort.
     #[error(
         "the rig cannot carry itself: servo `{0}` is driven by position, and takes no effort; teach it limp (`--limp`)"
@@ -50,7 +50,7 @@ fn names(faults: FaultSet) -> String {
 
 /// What was measured.
 #[derive(Debug, Clone)]
-pub struct Taken {
+pub struct TeachRecording {
     /// From row to row, s.
     pub dt_s: f64,
     /// Measured coordinates while a hand led.
@@ -60,92 +60,96 @@ pub struct Taken {
 }
 
 /// A rig on its stand, and a hand.
-pub struct Lesson<'s, 'a> {
-    stand: &'s mut Stand<'a, RigPlant>,
+pub struct TeachSession<'s, 'a> {
+    sim: &'s mut SimulatedRig<'a, RigPlant>,
     hand: ScriptedHand,
 }
 
 /// That the servos of a rig can be taught so.
 ///
 /// # Errors
-/// [`LessonError`] names the first one that cannot.
-pub fn check_servos(parts: &Parts, mode: Mode) -> Result<(), LessonError> {
+/// [`TeachSessionError`] names the first one that cannot.
+pub fn check_servos(parts: &Parts, mode: Mode) -> Result<(), TeachSessionError> {
     let name = |refused: fn(Drive) -> bool| {
         let found = parts.servos.iter().find(|part| refused(part.drive));
         found.map(|part| part.own.name.clone())
     };
     if let Some(name) = name(|drive| drive == Drive::Pulses) {
-        return Err(LessonError::TellsNothing(name));
+        return Err(TeachSessionError::TellsNothing(name));
     }
     match name(|drive| drive != Drive::Current) {
-        Some(name) if mode == Mode::Float => Err(LessonError::NoEffort(name)),
+        Some(name) if mode == Mode::Float => Err(TeachSessionError::NoEffort(name)),
         _ => Ok(()),
     }
 }
 
-impl<'s, 'a> Lesson<'s, 'a> {
+impl<'s, 'a> TeachSession<'s, 'a> {
     /// With a stand just before power comes on.
-    pub fn new(stand: &'s mut Stand<'a, RigPlant>, mechanism: &Mechanism, leads: Leads) -> Self {
-        Self { stand, hand: ScriptedHand::new(mechanism, leads) }
+    pub fn new(
+        sim: &'s mut SimulatedRig<'a, RigPlant>,
+        mechanism: &Mechanism,
+        guide: GuideTrajectory,
+    ) -> Self {
+        Self { sim, hand: ScriptedHand::new(mechanism, guide) }
     }
 
     /// Power on, the hand holds the rig; it is led along a way, let go for `let_go_s`, and made limp. `each` sees every
     /// tick's state.
     ///
     /// # Errors
-    /// [`LessonError`].
+    /// [`TeachSessionError`].
     pub fn run(
         &mut self,
         mode: Mode,
         let_go_s: f64,
         mut each: impl FnMut(f64, State),
-    ) -> Result<Taken, LessonError> {
-        check_servos(self.stand.parts, mode)?;
+    ) -> Result<TeachRecording, TeachSessionError> {
+        check_servos(self.sim.parts, mode)?;
         let taught = if mode == Mode::Float { State::Floating } else { State::Teaching };
         self.hold(0.0);
-        while self.stand.report().state != taught {
+        while self.sim.report().state != taught {
             let command = self.towards(mode);
             self.tick(command, &mut each)?;
-            let state = self.stand.report().state;
-            if state != taught && self.stand.time_s() > READY_S {
-                return Err(LessonError::NotReady(state));
+            let state = self.sim.report().state;
+            if state != taught && self.sim.time_s() > READY_S {
+                return Err(TeachSessionError::NotReady(state));
             }
         }
-        let begin_s = self.stand.time_s();
+        let begin_s = self.sim.time_s();
         let mut rows = Vec::new();
         loop {
-            let time_s = self.stand.time_s() - begin_s;
+            let time_s = self.sim.time_s() - begin_s;
             if time_s > self.hand.duration_s() {
                 break;
             }
             self.hold(time_s);
             self.tick(None, &mut each)?;
-            rows.push(self.stand.measured().iter().map(|x| f64::from(*x)).collect());
+            rows.push(self.sim.measured().iter().map(|x| f64::from(*x)).collect());
         }
         self.hand.let_go(|dof, hand| {
-            self.stand.lead(dof, hand);
+            self.sim.lead(dof, hand);
         });
-        let (left, from_s) = (self.stand.q(), self.stand.time_s());
+        let (left, from_s) = (self.sim.q(), self.sim.time_s());
         let mut drift = vec![0.0; left.len()];
-        while self.stand.time_s() < from_s + let_go_s {
+        while self.sim.time_s() < from_s + let_go_s {
             self.tick(None, &mut each)?;
-            for ((most, at), left) in drift.iter_mut().zip(self.stand.q()).zip(&left) {
+            for ((most, at), left) in drift.iter_mut().zip(self.sim.q()).zip(&left) {
                 *most = f64::max(*most, (at - left).abs());
             }
         }
         let mut command = Some(Command::Stop);
-        while !matches!(self.stand.report().state, State::Limp | State::Faulted) {
+        while !matches!(self.sim.report().state, State::Limp | State::Faulted) {
             self.tick(command.take(), &mut each)?;
         }
-        Ok(Taken { dt_s: 1e-6 * f64::from(self.stand.parts.tick_us()), rows, drift })
+        Ok(TeachRecording { dt_s: 1e-6 * f64::from(self.sim.parts.tick_us()), rows, drift })
     }
 
     /// What leads from the present state to the one in which it is taught.
     fn towards(&self, mode: Mode) -> Option<Command> {
-        let report = self.stand.report();
+        let report = self.sim.report();
         match (mode, report.state) {
             (Mode::Limp, State::Limp) => Some(Command::Teach),
-            (Mode::Float, State::Limp) if self.stand.is_known() && report.moving.is_none() => {
+            (Mode::Float, State::Limp) if self.sim.is_known() && report.moving.is_none() => {
                 Some(Command::Arm)
             }
             (Mode::Float, State::Holding) => Some(Command::Float),
@@ -156,7 +160,7 @@ impl<'s, 'a> Lesson<'s, 'a> {
     /// Where the hand is now.
     fn hold(&mut self, time_s: f64) {
         self.hand.hold(time_s, |dof, hand| {
-            self.stand.lead(dof, hand);
+            self.sim.lead(dof, hand);
         });
     }
 
@@ -164,20 +168,20 @@ impl<'s, 'a> Lesson<'s, 'a> {
         &mut self,
         command: Option<Command>,
         each: &mut impl FnMut(f64, State),
-    ) -> Result<(), LessonError> {
-        self.stand.tick(command);
-        let report = self.stand.report();
-        each(self.stand.time_s(), report.state);
+    ) -> Result<(), TeachSessionError> {
+        self.sim.tick(command);
+        let report = self.sim.report();
+        each(self.sim.time_s(), report.state);
         match report.answer {
             // Registers are still being read.
             Some(Err(Refused::RegistersUnread | Refused::StopUntested | Refused::NotMeasured)) => {}
-            Some(Err(why)) => return Err(LessonError::Refused(why)),
+            Some(Err(why)) => return Err(TeachSessionError::Refused(why)),
             _ => {}
         }
         if report.raised.is_empty() || !report.state.is_on() && report.state != State::Faulted {
             Ok(())
         } else {
-            Err(LessonError::Faults(report.raised))
+            Err(TeachSessionError::Faults(report.raised))
         }
     }
 }

@@ -5,7 +5,7 @@
 
 use core::ptr;
 
-use sinew_qemu_node::node::FLASH_LEN;
+use sinew_qemu_node::limits::FLASH_LEN;
 
 /// Where the PSRAM of `mps2-an386` begins.
 const AT: usize = 0x2100_0000;

@@ -17,9 +17,9 @@ const RATE_HZ: f64 = 50.0;
 
 /// A way through poses of a rig.
 #[derive(Debug, Clone)]
-pub struct Leads(Curve);
+pub struct GuideTrajectory(Curve);
 
-impl Leads {
+impl GuideTrajectory {
     /// Along a motion.
     ///
     /// # Errors

@@ -5,69 +5,29 @@ use std::rc::Rc;
 
 use sinew_core::glam::Quat;
 use sinew_core::{JointKind, math};
-use sinew_firmware::controller::{ControllerError, Incomplete, Inputs, Report, Start};
+use sinew_firmware::controller::{Incomplete, Inputs, Report, Start};
 use sinew_firmware::supervisor::{Command, FaultSet, Feed, Permission, Source};
 use sinew_servo_bus::dynamixel::table::address;
 use sinew_servo_bus::feetech::table::address::TORQUE_ENABLE as FEETECH_TORQUE_ENABLE;
-use sinew_servo_bus::{Effort, ServoBus as _, settings};
-use sinew_servo_sim::bench::{Bench, Branch};
-use sinew_servo_sim::device::{MEMORY_LEN, Servo, ServoError};
+use sinew_servo_bus::{Effort, ServoBus as _};
+use sinew_servo_sim::bench::Branch;
 use sinew_servo_sim::line::{Line, LineDevice as _, run_all};
 use sinew_servo_sim::load::Plant;
 use sinew_servo_sim::plant::{Hand, RigPlant};
 use sinew_servo_sim::registers::RegisterTable;
-use sinew_show::ShowError;
-use thiserror::Error;
 
 use super::bus::Buses;
+use super::error::SimulatedRigError;
 use super::exchange::exchange;
-use super::parts::{Parts, PartsError};
+use super::parts::Parts;
 use super::peer::PeerController;
-use super::servo_part::{Drive, ServoPart, single};
-use super::{DOFS, RigController, SERVOS, pulses};
-
-/// Registers of one servo.
-pub type Memory = [u8; MEMORY_LEN];
-
-/// Of FNV-1a, 64 bits.
-const FNV: (u64, u64) = (0xcbf2_9ce4_8422_2325, 0x0100_0000_01b3);
-
-/// Why there is no stand.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum StandError {
-    /// A line cannot be.
-    #[error(transparent)]
-    Parts(#[from] PartsError),
-    /// The controller does not take the rig.
-    #[error("the controller refuses the rig: {0}")]
-    Controller(#[from] ControllerError),
-    /// A servo cannot be simulated.
-    #[error("servo `{servo}`: {reason}")]
-    Servo {
-        /// Which.
-        servo: String,
-        /// Why.
-        reason: ServoError,
-    },
-    /// The show does not play on the rig.
-    #[error("the show does not play on this rig: {0}")]
-    Show(#[from] ShowError),
-}
-
-/// What was on the wires, and how often the time of a tick was not enough.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Wires {
-    /// Bytes of the controller.
-    pub sent: u64,
-    /// Bytes of servos.
-    pub answered: u64,
-    /// FNV-1a of all of them, in their order.
-    pub hash: u64,
-}
+use super::servo_part::{Drive, single};
+use super::simulated_lines::{Memory, lines};
+use super::wires::Wires;
+use super::{DOFS, RigController, SERVOS};
 
 /// A rig on a stand, under its controller.
-pub struct Stand<'a, P> {
+pub struct SimulatedRig<'a, P> {
     /// What it is made of.
     pub parts: &'a Parts,
     controller: Box<RigController<'a>>,
@@ -81,19 +41,19 @@ pub struct Stand<'a, P> {
     peer: Option<Rc<RefCell<dyn PeerController>>>,
 }
 
-impl<'a, P: Plant> Stand<'a, P> {
+impl<'a, P: Plant> SimulatedRig<'a, P> {
     /// A stand just before power comes on, each servo where the rig's home has it, set up as `sinew servo apply` would.
     /// Without a show there is nothing to play.
     /// `memories`: one for each servo; `plant`: what the servos move, line after line.
     ///
     /// # Errors
-    /// [`StandError`].
+    /// [`SimulatedRigError`].
     pub fn new(
         parts: &'a Parts,
         show: Option<&'a [u8]>,
         memories: &'a mut [Memory],
         plant: P,
-    ) -> Result<Self, StandError> {
+    ) -> Result<Self, SimulatedRigError> {
         let start = Start::default();
         let controller = RigController::new(
             &parts.board,
@@ -288,84 +248,7 @@ impl<'a, P: Plant> Stand<'a, P> {
     }
 }
 
-impl Parts {
-    /// The lines of a rig with simulated servos, each where the rig's home has it, set up as `sinew servo apply` would.
-    /// `memories`: one for each servo; `plant`: what they move, line after line.
-    ///
-    /// # Errors
-    /// [`StandError`] names the servo.
-    pub fn simulated<'a, P: Plant>(
-        &self,
-        memories: &'a mut [Memory],
-        plant: P,
-    ) -> Result<Vec<Line<Branch<'a, P>>>, StandError> {
-        lines(self, memories, plant)
-    }
-}
-
-/// The lines of a rig, each servo where the rig's home has it, set up as `sinew servo apply` would.
-pub(super) fn lines<'a, P: Plant>(
-    parts: &Parts,
-    memories: &'a mut [Memory],
-    plant: P,
-) -> Result<Vec<Line<Branch<'a, P>>>, StandError> {
-    let mut servos: Vec<Vec<Servo>> = parts.lines.iter().map(|_| Vec::new()).collect();
-    for (index, memory) in (0..parts.servos.len()).zip(memories) {
-        servos[parts.servos[index].place.0].push(servo(parts, index, memory)?);
-    }
-    let counts: Vec<usize> = servos.iter().map(Vec::len).collect();
-    let line_of = |place| {
-        let mut end = 0;
-        let ends = counts.iter().map(|count| {
-            end += count;
-            end
-        });
-        ends.take_while(|end| *end <= place).count()
-    };
-    let servos = servos.into_iter().flatten().collect();
-    let bench = match parts.supply() {
-        Some(supply) => Bench::new(servos, plant, supply),
-        None => Bench::fed_by_several(servos, plant, parts.stiff_supplies(), line_of),
-    };
-    let mut branches = Branch::of(bench, &counts);
-    for (branch, line) in branches.iter_mut().zip(&parts.lines) {
-        if line.is_of_pulses() {
-            let own: Vec<&ServoPart> = line.servos.iter().map(|at| &parts.servos[*at]).collect();
-            branch.put_chip(pulses::chip(&own), line.baud);
-            branch.start_chip(pulses::prescale());
-        }
-    }
-    Ok(branches.into_iter().map(Line::of_master).collect())
-}
-
-/// A servo at home, with the registers that the controller compares before it arms.
-fn servo<'a>(parts: &Parts, index: usize, memory: &'a mut Memory) -> Result<Servo<'a>, StandError> {
-    let part = &parts.servos[index];
-    let failed = |reason| StandError::Servo { servo: part.own.name.clone(), reason };
-    let Some(id) = part.own.id() else {
-        let mut servo = Servo::on_pulses(&part.own.kind);
-        servo.place(part.own.home_rad);
-        return Ok(servo);
-    };
-    let mut servo = Servo::new(&part.own.kind, id, memory).map_err(failed)?;
-    servo.set_baud(parts.lines[part.place.0].baud).map_err(failed)?;
-    let demand = parts.setups[index].demand(&parts.board.servos()[index].servo);
-    let mut set = |setting: settings::Setting| servo.set(setting.item.address, setting.raw);
-    match RegisterTable::of(&part.own.kind.name) {
-        Some(RegisterTable::Dynamixel(table)) => {
-            settings::dynamixel(table, demand).for_each(&mut set);
-        }
-        Some(RegisterTable::Feetech(table)) => {
-            settings::feetech(table.model.family, demand).for_each(&mut set);
-        }
-        // `Parts` has refused kinds with an id that have none.
-        None => {}
-    }
-    servo.place(part.own.home_rad);
-    Ok(servo)
-}
-
-impl Stand<'_, RigPlant> {
+impl SimulatedRig<'_, RigPlant> {
     /// A hand takes a joint's dof, or leads it on; none lets go. See [`RigPlant::lead`].
     pub fn lead(&mut self, dof: usize, hand: Option<Hand>) -> bool {
         self.lines[0].servos.bench_mut().plant.lead(dof, hand)
@@ -381,29 +264,5 @@ impl Stand<'_, RigPlant> {
         let q: Vec<f32> = self.q().into_iter().map(single).collect();
         let commanded = self.positions(self.controller.commanded().0);
         commanded.iter().zip(self.positions(&q)).map(|(sent, is)| is - sent).collect()
-    }
-}
-
-impl Default for Wires {
-    fn default() -> Self {
-        Self { sent: 0, answered: 0, hash: FNV.0 }
-    }
-}
-
-impl Wires {
-    pub(super) fn sent(&mut self, bytes: &[u8]) {
-        self.sent += bytes.len() as u64;
-        self.note(bytes);
-    }
-
-    pub(super) fn answered(&mut self, bytes: &[u8]) {
-        self.answered += bytes.len() as u64;
-        self.note(bytes);
-    }
-
-    fn note(&mut self, bytes: &[u8]) {
-        for byte in bytes {
-            self.hash = (self.hash ^ u64::from(*byte)).wrapping_mul(FNV.1);
-        }
     }
 }

@@ -8,18 +8,22 @@ use anyhow::{Context as _, bail};
 use sinew_firmware::supervisor::State;
 use sinew_host_util::command::{note, print};
 use sinew_host_util::output;
-use sinew_performance::play::{Memory, Options, Parts, ServoChoice, Stand, put_servos};
+use sinew_performance::play::{Memory, Options, Parts, ServoChoice, SimulatedRig, put_servos};
 use sinew_performance::rig::Loaded;
-use sinew_performance::teach::{Leads, Lesson, Mode, Taken, Taught, beside};
-use sinew_performance::{Baker, CHECK_HZ, Marks, Played, TakenOver, feasibility, rig_hash};
+use sinew_performance::teach::{
+    GuideTrajectory, Mode, TeachRecording, TeachResult, TeachSession, compare_with_guide,
+};
+use sinew_performance::{
+    MotionChoices, Played, RetargetedClip, RigPerformance, ShowChoices, feasibility, rig_hash,
+};
 use sinew_retarget::exchange::table;
-use sinew_retarget::feasibility::{RigMotion, check};
+use sinew_retarget::feasibility::RigMotion;
 use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_show::write::Settings as ShowSettings;
 
 use super::clips::{rate, seconds};
-use super::performance::{ON_STAND, OnRig};
-use super::play::with_stack;
+use super::performance::{ON_STAND, PerformanceArgs};
+use super::stack::with_stack;
 use super::target::Target;
 
 /// Record a motion by leading the rig by hand: as a show, or as a CSV of its joint coordinates.
@@ -96,7 +100,7 @@ pub(super) struct Args {
 }
 
 /// What was measured; of a scripted hand also where it led, and how far each coordinate went after it let go.
-type Led = (RigMotion, Option<(Leads, Vec<f64>)>);
+type Led = (RigMotion, Option<(GuideTrajectory, Vec<f64>)>);
 
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
@@ -109,7 +113,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     }
     let read = [("rig", Some(args.rig.as_path())), ("guide", args.guide.as_deref())];
     output::distinct(&written, &read)?;
-    let mut rig = OnRig::default().rig(&args.rig, ON_STAND)?;
+    let mut rig = PerformanceArgs::default().rig(&args.rig, ON_STAND)?;
     if put_servos(&mut rig.description, &args.servo)? > 0 {
         rig.mechanism = rig.description.mechanism()?;
     }
@@ -118,7 +122,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         Target::Sim | Target::Nucleo => args.led(&rig),
     })?;
     let (measured, simulated) = led;
-    let taught = Taught::new(&rig.mechanism, &measured, args.cutoff_hz, args.rate_hz)?;
+    let taught = TeachResult::new(&rig.mechanism, &measured, args.cutoff_hz, args.rate_hz)?;
     let [before_s, behind_s] = taught.cut_s;
     let mut text = format!(
         "led for {:.2} s; cut {before_s:.2} s of rest before and {behind_s:.2} s behind: {:.2} s are left\n",
@@ -137,13 +141,13 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         if is_show {
             let (of_show, motion) = args.show(&rig, &taught.motion, path)?;
             text += &of_show;
-            if let Some((leads, _)) = &simulated {
-                text += &args.off(&rig, &motion, leads, before_s, "the show")?;
+            if let Some((guide, _)) = &simulated {
+                text += &args.off(&rig, &motion, guide, before_s, "the show")?;
             }
         } else {
             output::write(path, table::csv(&rig.mechanism, &taught.motion, 0.0))?;
-            if let Some((leads, _)) = &simulated {
-                text += &args.off(&rig, &taught.motion, leads, before_s, "the table")?;
+            if let Some((guide, _)) = &simulated {
+                text += &args.off(&rig, &taught.motion, guide, before_s, "the table")?;
             }
         }
         note(format_args!("wrote {}", path.display()));
@@ -162,13 +166,13 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Where a scripted hand leads: along the file, or the built-in way.
-pub(super) fn leads(rig: &Loaded, file: Option<&Path>) -> anyhow::Result<Leads> {
-    let Some(path) = file else { return Ok(Leads::built_in(&rig.mechanism)?) };
+/// Reads where a scripted hand leads: along the file, or the built-in way.
+pub(super) fn read_guide(rig: &Loaded, file: Option<&Path>) -> anyhow::Result<GuideTrajectory> {
+    let Some(path) = file else { return Ok(GuideTrajectory::built_in(&rig.mechanism)?) };
     let of_file = || path.display().to_string();
     let text = sinew_mocap::read::text(path).with_context(of_file)?;
     let (motion, _) = table::read(&rig.mechanism, &text).with_context(of_file)?;
-    Ok(Leads::along(&rig.mechanism, &motion)?)
+    Ok(GuideTrajectory::along(&rig.mechanism, &motion)?)
 }
 
 impl Args {
@@ -205,7 +209,7 @@ impl Args {
     /// What was measured while the scripted hand led.
     fn led(&self, rig: &Loaded) -> anyhow::Result<Led> {
         let of_rig = || self.rig.display().to_string();
-        let leads = leads(rig, self.guide.as_deref())?;
+        let guide = read_guide(rig, self.guide.as_deref())?;
         let mut parts = self.parts(rig)?;
         let friction_scale = self.friction_scale.unwrap_or(1.0);
         for part in &mut parts.servos {
@@ -223,7 +227,7 @@ impl Args {
         }
         let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
         let plant = parts.plant(&rig.description, &heavy).with_context(of_rig)?;
-        let mut stand = Stand::new(&parts, None, &mut memories, plant).with_context(of_rig)?;
+        let mut sim = SimulatedRig::new(&parts, None, &mut memories, plant).with_context(of_rig)?;
         let mut last = None;
         let tell = |time_s: f64, state: State| {
             if last.replace(state) != Some(state) {
@@ -231,9 +235,9 @@ impl Args {
             }
         };
         let let_go_s = self.release_test_s.unwrap_or_default();
-        let mut lesson = Lesson::new(&mut stand, &rig.mechanism, leads.clone());
-        let Taken { dt_s, rows, drift } = lesson.run(self.mode(), let_go_s, tell)?;
-        Ok((RigMotion { dt_s, rows }, Some((leads, drift))))
+        let mut session = TeachSession::new(&mut sim, &rig.mechanism, guide.clone());
+        let TeachRecording { dt_s, rows, drift } = session.run(self.mode(), let_go_s, tell)?;
+        Ok((RigMotion { dt_s, rows }, Some((guide, drift))))
     }
 
     /// Writes a show of a motion; says what it is, and which motion it has.
@@ -243,39 +247,26 @@ impl Args {
         motion: &RigMotion,
         path: &Path,
     ) -> anyhow::Result<(String, RigMotion)> {
-        let on_rig = OnRig::of_motion(self.fit);
         let name = path.display().to_string();
-        let mut performed = on_rig.fitted(rig, &name, 0.0, TakenOver::own(motion.clone()))?;
-        let (mechanism, limits, settings) =
-            (&rig.mechanism, &performed.limits, ShowSettings::default());
-        let (hash, why_not) = rig_hash(&rig.description, mechanism);
+        let choices = MotionChoices { fit: self.fit, ..MotionChoices::default() };
+        let clip = RetargetedClip::own(motion.clone());
+        let mut performance = RigPerformance::new(rig, &name, 0.0, clip, choices)?;
+        let (mechanism, settings) = (&rig.mechanism, ShowSettings::default());
+        let (rig_crc, why_not) = rig_hash(&rig.description, mechanism);
         if let Some(line) = why_not {
             note(format_args!("note: {line}"));
         }
-        let baker = Baker { mechanism, rig: hash, settings };
-        let (baked, report) = match performed.fit.take() {
-            None => {
-                let baked = baker.bake(motion, &Marks::default())?;
-                let report =
-                    check(mechanism, limits, &Played::new(&baked.written.bytes)?, CHECK_HZ)?;
-                (baked, report)
-            }
-            Some(fit) => {
-                let (fit, baked, report) =
-                    baker.bake_within(limits, motion, fit, Marks::of_none)?;
-                performed.fit = Some(fit);
-                (baked, report)
-            }
-        };
+        let choices = ShowChoices { rig_crc, settings, ..ShowChoices::default() };
+        let (baked, report) = performance.bake(mechanism, &choices)?;
         output::write(path, &baked.written.bytes)?;
         let rounding = [settings.angle_rad, settings.length_m];
         let mut text = format!(
             "{name}: {:.2} s, {} bytes\n{}",
             baked.duration_s,
             baked.written.bytes.len(),
-            feasibility(mechanism, limits, &report, rounding)
+            feasibility(mechanism, &performance.limits, &report, rounding)
         );
-        if let Some(done) = performed.done() {
+        if let Some(done) = performance.fit_summary() {
             text.extend([format!("\nFitted: {done}")]);
         }
         let played = Played::new(&baked.written.bytes)?.motion(motion.dt_s);
@@ -287,7 +278,7 @@ impl Args {
         &self,
         rig: &Loaded,
         motion: &RigMotion,
-        leads: &Leads,
+        guide: &GuideTrajectory,
         begin_s: f64,
         what: &str,
     ) -> anyhow::Result<String> {
@@ -295,7 +286,8 @@ impl Args {
             // It may have been slowed down.
             return Ok(String::new());
         }
-        let ([mean, most], at, time_s) = beside(&rig.mechanism, motion, leads, begin_s)?;
+        let ([mean, most], at, time_s) =
+            compare_with_guide(&rig.mechanism, motion, guide, begin_s)?;
         Ok(format!(
             "{what} beside the hand's way: {} off in the mean, {} at most ({} at {time_s:.2} s)\n",
             shown(mean),

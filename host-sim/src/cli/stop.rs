@@ -5,14 +5,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Counts what asks this program to end.
-pub(in crate::cli) struct Stop {
+pub(super) struct Stop {
     came: Arc<AtomicBool>,
     times: Cell<u32>,
 }
 
 impl Stop {
     /// From now on, Ctrl-C and SIGTERM are counted and end nothing by themselves.
-    pub(in crate::cli) fn new() -> anyhow::Result<Self> {
+    pub(super) fn new() -> anyhow::Result<Self> {
         let came = Arc::new(AtomicBool::new(false));
         #[cfg(unix)]
         for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
@@ -22,7 +22,7 @@ impl Stop {
     }
 
     /// How often it came.
-    pub(in crate::cli) fn times(&self) -> u32 {
+    pub(super) fn times(&self) -> u32 {
         let more = u32::from(self.came.swap(false, Ordering::Relaxed));
         self.times.set(self.times.get() + more);
         self.times.get()

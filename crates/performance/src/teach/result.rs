@@ -6,7 +6,7 @@ use sinew_rig::Mechanism;
 use sinew_rig::mechanism::JointModel;
 use thiserror::Error;
 
-use super::Leads;
+use super::GuideTrajectory;
 
 /// A joint that is nearer than this to where it began, or ended, rests: half a degree; of a slide half a millimetre.
 pub const REST_RAD: f64 = 0.008_726_6;
@@ -16,7 +16,7 @@ const LEFT_S: f64 = 0.25;
 
 /// Why there is no motion.
 #[derive(Debug, Error)]
-pub enum TaughtError {
+pub enum TeachResultError {
     /// Nobody led it.
     #[error("no joint moved by more than 0.5 deg: nothing was taught")]
     Rest,
@@ -37,7 +37,7 @@ pub enum TaughtError {
 
 /// A motion that was shown by hand.
 #[derive(Debug, Clone)]
-pub struct Taught {
+pub struct TeachResult {
     /// The motion.
     pub motion: RigMotion,
     /// Rest that was cut: before and after, s.
@@ -46,22 +46,22 @@ pub struct Taught {
     pub smoothed: f64,
 }
 
-impl Taught {
+impl TeachResult {
     /// Of measured rows. `cutoff_hz`: of the low-pass, 0 for none; `rate_hz`: rows a second of the motion.
     ///
     /// # Errors
-    /// [`TaughtError`].
+    /// [`TeachResultError`].
     pub fn new(
         mechanism: &Mechanism,
         measured: &RigMotion,
         cutoff_hz: f64,
         rate_hz: f64,
-    ) -> Result<Self, TaughtError> {
+    ) -> Result<Self, TeachResultError> {
         measured.check(mechanism)?;
         let dt_s = measured.dt_s;
         let mut rows = measured.rows.clone();
         let smoothed = smooth(mechanism, &mut rows, dt_s, cutoff_hz)?;
-        let (first, last) = moving(mechanism, &rows).ok_or(TaughtError::Rest)?;
+        let (first, last) = moving(mechanism, &rows).ok_or(TeachResultError::Rest)?;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small")]
         let left = (LEFT_S / dt_s).round() as usize;
         let (begin, end) = (first.saturating_sub(left), (last + left).min(rows.len() - 1));
@@ -79,13 +79,13 @@ fn smooth(
     rows: &mut [Vec<f64>],
     dt_s: f64,
     cutoff_hz: f64,
-) -> Result<f64, TaughtError> {
+) -> Result<f64, TeachResultError> {
     if cutoff_hz <= 0.0 {
         return Ok(0.0);
     }
     let rate_hz = dt_s.recip();
     let filter =
-        LowPass::new(rate_hz, cutoff_hz).ok_or(TaughtError::Cutoff { rate_hz, cutoff_hz })?;
+        LowPass::new(rate_hz, cutoff_hz).ok_or(TeachResultError::Cutoff { rate_hz, cutoff_hz })?;
     let mut most: f64 = 0.0;
     for (link, range) in mechanism.bodies.iter().zip(mechanism.coordinate_ranges()) {
         if link.joint == JointModel::Spherical {
@@ -138,10 +138,10 @@ fn moving(mechanism: &Mechanism, rows: &[Vec<f64>]) -> Option<(usize, usize)> {
 ///
 /// # Errors
 /// [`MotionError`] if it is none of the rig.
-pub fn beside(
+pub fn compare_with_guide(
     mechanism: &Mechanism,
     motion: &RigMotion,
-    leads: &Leads,
+    guide: &GuideTrajectory,
     begin_s: f64,
 ) -> Result<([f64; 2], usize, f64), MotionError> {
     let curve = Curve::new(mechanism, motion)?;
@@ -150,7 +150,7 @@ pub fn beside(
     for row in 0..motion.rows.len() {
         let time_s = row as f64 * motion.dt_s;
         curve.at(time_s, &mut instant);
-        for (at, (is, led)) in instant.q.iter().zip(&leads.at(begin_s + time_s).q).enumerate() {
+        for (at, (is, led)) in instant.q.iter().zip(&guide.at(begin_s + time_s).q).enumerate() {
             let off = (is - led).abs();
             (sum, count) = (sum + off, count + 1.0);
             if off > most.0 {

@@ -11,7 +11,7 @@ use sinew_link::message::{Command, Item, Kind, Parts as Told, State};
 use sinew_mocap::files::ClipFile;
 use sinew_nucleo::{BoardOnServos, EmulatedBoard, Machine};
 use sinew_performance::play::{Drive, Memory, Options, Parts, put_servos};
-use sinew_performance::{Baker, ClipSettings, Marks, PreparedClip, take_over};
+use sinew_performance::{Baker, ClipSettings, Marks, PreparedClip, retarget_clip};
 use sinew_retarget::feasibility::{FitSettings, Limits, RigMotion, fit};
 use sinew_rig::import::Options as Import;
 use sinew_rig::new::arm;
@@ -74,7 +74,7 @@ impl Rig {
         Self::with_show(description, options, |baker| {
             let clip = ClipFile::new(&data.join("cmu/walk/07_01.bvh"));
             let clip = PreparedClip::read(&clip, ClipSettings::default()).unwrap();
-            let taken = take_over(baker.mechanism, &clip, None, false).unwrap().motion;
+            let taken = retarget_clip(baker.mechanism, &clip, None, false).unwrap().motion;
             let limits = Limits::of(baker.mechanism, &servos);
             let fitted = fit(baker.mechanism, &limits, &taken, FitSettings::default()).unwrap();
             let baked = baker.bake_within(&limits, &taken, fitted, Marks::of_none);

@@ -185,7 +185,7 @@ pub(crate) fn hash_of(hash: &mut u64, bytes: &[u8]) {
 }
 
 /// Rig, servos and controller.
-pub(crate) struct Stand {
+pub(crate) struct TestRig {
     pub(crate) kind: Kind,
     pub(crate) controller: Loop,
     pub(crate) bus: Bus,
@@ -202,7 +202,7 @@ pub(crate) struct Stand {
     ticks: u64,
 }
 
-impl Stand {
+impl TestRig {
     pub(crate) fn new(kind: Kind, start: Start) -> Self {
         let figure = figure(kind);
         let parts = setup(kind);

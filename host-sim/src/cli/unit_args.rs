@@ -6,7 +6,7 @@ use sinew_rig::import::Options;
 
 /// Properties that files do not contain.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
-pub(super) struct ToldArgs {
+pub(super) struct UnitArgs {
     /// Unit of length of the file, in metres: 0.01 for centimetres. Default: the unit in the file, the unit of other
     /// files with the same known skeleton, or a guess by the body's height.
     #[arg(long, value_name = "M", value_parser = unit, allow_negative_numbers = true)]
@@ -17,8 +17,9 @@ pub(super) struct ToldArgs {
     up: Option<Up>,
 }
 
-impl ToldArgs {
-    pub(super) const fn told(&self) -> Told {
+impl UnitArgs {
+    /// Returns what the user says of a file.
+    pub(super) const fn overrides(&self) -> Told {
         Told { metres_per_unit: self.metres_per_unit, up: self.up }
     }
 

@@ -14,7 +14,7 @@ use super::clip::PreparedClip;
 
 /// A clip on a rig, and how near it is to the performance.
 #[derive(Debug, Clone)]
-pub struct TakenOver {
+pub struct RetargetedClip {
     /// The rig's coordinates, frame by frame.
     pub motion: RigMotion,
     /// Angle between the performer's limbs and the rig's, mean over all limbs and frames, deg.
@@ -37,7 +37,7 @@ pub struct TakenOver {
 
 /// Why a clip was not taken over.
 #[derive(Debug, Error)]
-pub enum TakeOverError {
+pub enum RetargetError {
     /// The rig has nothing that a performer has.
     #[error("{0}; curves from single joints, in a mapping, can drive it: see docs/shows.md")]
     Rig(#[from] NoMatch),
@@ -72,13 +72,13 @@ impl Roles {
         mechanism: &Mechanism,
         clip: &PreparedClip,
         mapping: Option<&Mapping>,
-    ) -> Result<Self, TakeOverError> {
+    ) -> Result<Self, RetargetError> {
         let Some(mapping) = mapping else {
             let rig = Some(RigMatch::of(mechanism)?);
             return Ok(Self { rig, joints: clip.joints(), settings: Settings::default() });
         };
         if mapping.landmarks.is_empty() && mapping.curves.is_empty() {
-            return Err(TakeOverError::Nothing);
+            return Err(RetargetError::Nothing);
         }
         mapping.check(mechanism, &clip.clip.skeleton)?;
         let joints = mapping.performer_joints(&clip.clip.skeleton)?;
@@ -92,20 +92,20 @@ impl Roles {
 /// Puts a clip on a rig: by names and geometry, or as a mapping says. `mirror`: left and right changed.
 ///
 /// # Errors
-/// [`TakeOverError`] if rig or clip have nothing in common with a body, or the mapping does not fit them.
-pub fn take_over(
+/// [`RetargetError`] if rig or clip have nothing in common with a body, or the mapping does not fit them.
+pub fn retarget_clip(
     mechanism: &Mechanism,
     clip: &PreparedClip,
     mapping: Option<&Mapping>,
     mirror: bool,
-) -> Result<TakenOver, TakeOverError> {
+) -> Result<RetargetedClip, RetargetError> {
     let Roles { rig, joints, mut settings } = Roles::of(mechanism, clip, mapping)?;
     settings.is_mirrored ^= mirror;
     let mut baked = match &rig {
         None => still(mechanism, clip),
         Some(rig) => {
             let performer = Performer::of(&clip.clip, &joints).map_err(|source| {
-                TakeOverError::Performer { clip: clip.clip.name.clone(), source }
+                RetargetError::Performer { clip: clip.clip.name.clone(), source }
             })?;
             if mapping.is_none() {
                 settings.tilt_rad = best_tilt(mechanism, rig, &clip.clip, &performer, &settings);
@@ -120,7 +120,7 @@ pub fn take_over(
         curves.put(&clip.clip, &mut rows);
     }
     let motion = RigMotion { dt_s: baked.frame_time_s, rows };
-    Ok(TakenOver {
+    Ok(RetargetedClip {
         rig,
         curves: mapping.map_or(0, |mapping| mapping.curves.len()),
         ..taken(mechanism, motion, baked)
@@ -138,7 +138,7 @@ fn still(mechanism: &Mechanism, clip: &PreparedClip) -> Baked {
     }
 }
 
-fn taken(mechanism: &Mechanism, motion: RigMotion, baked: Baked) -> TakenOver {
+fn taken(mechanism: &Mechanism, motion: RigMotion, baked: Baked) -> RetargetedClip {
     let errors = || baked.limbs.iter().flatten().map(|limb| f64::from(limb.error_rad));
     let count = errors().count();
     let frames = motion.rows.len().max(1);
@@ -150,7 +150,7 @@ fn taken(mechanism: &Mechanism, motion: RigMotion, baked: Baked) -> TakenOver {
         ends.for_each(|held| of_dof[held.dof] += 1);
     }
     let most_held = names.into_iter().zip(of_dof).max_by_key(|(_, count)| *count);
-    TakenOver {
+    RetargetedClip {
         motion,
         limbs_mean_deg: (errors().sum::<f64>() / count.max(1) as f64).to_degrees(),
         limbs_max_deg: errors().fold(0.0, f64::max).to_degrees(),
@@ -165,7 +165,7 @@ fn taken(mechanism: &Mechanism, motion: RigMotion, baked: Baked) -> TakenOver {
     }
 }
 
-impl TakenOver {
+impl RetargetedClip {
     /// A motion that is the rig's own already.
     pub fn own(motion: RigMotion) -> Self {
         let frames = motion.rows.len();

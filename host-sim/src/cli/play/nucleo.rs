@@ -26,25 +26,36 @@ const E_STOP: &str = "PC8";
 /// For so long it may start, of its own time.
 const STARTS: Duration = Duration::from_secs(5);
 
-/// The tool and the image, or what to run.
-pub(super) fn found() -> anyhow::Result<[PathBuf; 2]> {
-    let program = std::env::current_exe().unwrap_or_default();
-    let target = program.ancestors().nth(2).unwrap_or(Path::new("target"));
-    let of = |(variable, built): (&str, &str)| {
-        let path = std::env::var_os(variable).map_or_else(|| target.join(built), PathBuf::from);
-        ensure!(
-            path.is_file(),
-            "{}: not there. `cargo xtask emulate` builds it; {variable} names another one",
-            path.display()
-        );
-        Ok(path)
-    };
-    Ok([of(TOOL)?, of(IMAGE)?])
+/// The files that an emulated NUCLEO needs.
+pub(super) struct Files {
+    tool: PathBuf,
+    image: PathBuf,
+}
+
+impl Files {
+    /// Finds the tool and the image.
+    ///
+    /// # Errors
+    /// It names what to run.
+    pub(super) fn find() -> anyhow::Result<Self> {
+        let program = std::env::current_exe().unwrap_or_default();
+        let target = program.ancestors().nth(2).unwrap_or(Path::new("target"));
+        let find = |(variable, built): (&str, &str)| {
+            let path = std::env::var_os(variable).map_or_else(|| target.join(built), PathBuf::from);
+            ensure!(
+                path.is_file(),
+                "{}: not there. `cargo xtask emulate` builds it; {variable} names another one",
+                path.display()
+            );
+            Ok(path)
+        };
+        Ok(Self { tool: find(TOOL)?, image: find(IMAGE)? })
+    }
 }
 
 /// Power-on of a blank board; rig and show over its link; then as on any board, in the time of the emulated chip.
 pub(super) fn perform(
-    [tool, image]: &[PathBuf; 2],
+    Files { tool, image }: &Files,
     rig: &Loaded,
     parts: &Parts,
     bytes: &[u8],

@@ -1,6 +1,7 @@
 //! `sinew board doctor`: a board looked over while its rig is limp.
 
 mod bus;
+mod findings;
 mod own;
 
 use std::path::PathBuf;
@@ -10,6 +11,7 @@ use anyhow::Context as _;
 use sinew_host_util::command::{note, print};
 use sinew_performance::play::Parts;
 
+use self::findings::Findings;
 use super::BoardPort;
 use crate::cli::driven::DrivenArgs;
 use crate::cli::rig::read;
@@ -34,41 +36,6 @@ pub(super) struct DoctorArgs {
     /// File to write the report to.
     #[arg(short, long, value_name = "FILE", default_value = "sinew-doctor.txt")]
     output: PathBuf,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Verdict {
-    Ok,
-    Doubtful,
-    Wrong,
-}
-
-/// What was looked at.
-#[derive(Debug, Default)]
-struct Findings {
-    lines: String,
-    is_wrong: bool,
-}
-
-impl Findings {
-    /// A line. `todo`: what to do, unless it is well.
-    fn add(&mut self, verdict: Verdict, what: &str, found: &str, todo: &str) {
-        let word = match verdict {
-            Verdict::Ok => "ok",
-            Verdict::Doubtful => "doubtful",
-            Verdict::Wrong => "wrong",
-        };
-        self.is_wrong |= verdict == Verdict::Wrong;
-        self.lines.extend([format!("{word:<9} {what}: {found}\n")]);
-        if verdict != Verdict::Ok && !todo.is_empty() {
-            self.lines.extend([format!("          {todo}\n")]);
-        }
-    }
-
-    /// Well, or else.
-    fn expect(&mut self, is_well: bool, other: Verdict, what: &str, found: &str, todo: &str) {
-        self.add(if is_well { Verdict::Ok } else { other }, what, found, todo);
-    }
 }
 
 /// Looks, prints and writes.

@@ -1,0 +1,58 @@
+//! Motions of a rig's own in files.
+
+use std::path::Path;
+
+use anyhow::Context as _;
+use sinew_mocap::read;
+use sinew_retarget::exchange::{blender, servos, table};
+use sinew_retarget::feasibility::RigMotion;
+
+use super::rig::Loaded;
+
+/// A kind of file with a motion of a rig's own: no clip that has to be retargeted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OwnMotion {
+    /// Positions of servos, as the Blender servo animation add-on writes them.
+    ServoPositions,
+    /// Joint coordinates, as `sinew record` and `sinew clip export` write them.
+    Coordinates,
+}
+
+impl OwnMotion {
+    /// Returns the kind of a file by its name; none for a clip.
+    pub fn of(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()? {
+            "json" => Some(Self::ServoPositions),
+            "csv" => Some(Self::Coordinates),
+            _ => None,
+        }
+    }
+
+    /// Returns the kind in words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::ServoPositions => "positions of servos",
+            Self::Coordinates => "joint coordinates",
+        }
+    }
+
+    /// Reads the motion, and when it begins, s.
+    ///
+    /// # Errors
+    /// The file is not a motion of this rig.
+    pub fn read(self, rig: &Loaded, path: &Path) -> anyhow::Result<(RigMotion, f64)> {
+        let motion = || -> anyhow::Result<(RigMotion, f64)> {
+            let text = read::text(path)?;
+            match self {
+                Self::ServoPositions => {
+                    let (tracks, fps) = blender::read(&text, &rig.description)?;
+                    let dt_s = fps.recip();
+                    let motion = servos::motion(&rig.description, &rig.mechanism, &tracks, dt_s)?;
+                    Ok((motion, 0.0))
+                }
+                Self::Coordinates => Ok(table::read(&rig.mechanism, &text)?),
+            }
+        };
+        motion().with_context(|| path.display().to_string())
+    }
+}

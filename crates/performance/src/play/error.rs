@@ -1,0 +1,117 @@
+//! Errors of a rig that is to play.
+
+use sinew_firmware::controller::ControllerError;
+use sinew_rig::board::BakeError;
+use sinew_servo_sim::device::ServoError;
+use sinew_servo_sim::rig::RigServosError;
+use sinew_show::ShowError;
+use thiserror::Error;
+
+use super::schedule::RateError;
+
+/// An error of a rig whose controller and lines cannot be made.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum PartsError {
+    /// It has no compact form.
+    #[error(transparent)]
+    Bake(#[from] BakeError),
+    /// Its servos cannot be simulated.
+    #[error(transparent)]
+    Servos(#[from] RigServosError),
+    /// It travels.
+    #[error("the rig's base is not held: no servo moves it; `--base stand` bolts it to a stand")]
+    Travels,
+    /// It has no servos.
+    #[error("the rig has no servos")]
+    NoServos,
+    /// A servo is where its kind cannot be.
+    #[error("servo `{servo}` is a {model}: expected {expected}, found {found}")]
+    Address {
+        /// The servo.
+        servo: String,
+        /// Its kind.
+        model: String,
+        /// Where it could be.
+        expected: &'static str,
+        /// Where it is.
+        found: String,
+    },
+    /// Servos of two makers share a line.
+    #[error(
+        "bus {bus:?} has servos of two protocols ({one}, {other}): give one of them a bus of its own"
+    )]
+    TwoProtocols {
+        /// The bus.
+        bus: String,
+        /// A servo.
+        one: String,
+        /// One of the other protocol.
+        other: String,
+    },
+    /// Servos on one drive, of which some take pulses.
+    #[error(
+        "servos `{one}` and `{other}` share a drive, and `{one}` alone takes pulses: expected both on a bus, or both on \
+         pulses"
+    )]
+    Mixed {
+        /// A servo that takes pulses.
+        one: String,
+        /// One that does not.
+        other: String,
+    },
+    /// A kind of servo has no current mode.
+    #[error(
+        "--drive current: servo `{servo}` is a {model}, which has no current mode; choose position"
+    )]
+    NoCurrent {
+        /// The servo.
+        servo: String,
+        /// Its kind.
+        model: String,
+    },
+    /// A line cannot have this rate.
+    #[error("--baud {baud}: bus {bus:?} can have {known}")]
+    Baud {
+        /// What was asked for.
+        baud: u32,
+        /// The bus.
+        bus: String,
+        /// What it could have.
+        known: String,
+    },
+    /// The lines have no time.
+    #[error(transparent)]
+    Rate(#[from] RateError),
+    /// Two servos have one id, or a number cannot be.
+    #[error("bus {bus:?}: {reason}")]
+    Bus {
+        /// The bus.
+        bus: String,
+        /// Why.
+        reason: sinew_servo_bus::SetupError,
+    },
+}
+
+/// An error of a rig that cannot be simulated.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum SimulatedRigError {
+    /// A line cannot be.
+    #[error(transparent)]
+    Parts(#[from] PartsError),
+    /// The controller does not take the rig.
+    #[error("the controller refuses the rig: {0}")]
+    Controller(#[from] ControllerError),
+    /// A servo cannot be simulated.
+    #[error("servo `{servo}`: {reason}")]
+    Servo {
+        /// Which.
+        servo: String,
+        /// Why.
+        reason: ServoError,
+    },
+    /// The show does not play on the rig.
+    #[error("the show does not play on this rig: {0}")]
+    Show(#[from] ShowError),
+}

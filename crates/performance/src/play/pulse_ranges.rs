@@ -1,0 +1,42 @@
+//! The pulses that servos get within the ranges of their joints.
+
+use super::parts::Parts;
+use super::pulses::pulse_us;
+use super::servo_part::Drive;
+
+impl Parts {
+    /// Returns each servo that takes pulses, and the shortest and longest pulse within its joints' ranges, us.
+    pub fn pulses_us(&self) -> Vec<(&str, [f32; 2])> {
+        let mut all = Vec::new();
+        for drive in self.board.drives() {
+            let ranges: Vec<[f32; 2]> =
+                (drive.dofs.iter()).map(|dof| self.board.dofs()[usize::from(*dof)].range).collect();
+            // Shafts are farthest where each joint is at an end.
+            let corners: Vec<Vec<f32>> = (0..1_usize << ranges.len())
+                .map(|corner| {
+                    ranges.iter().enumerate().map(|(at, ends)| ends[(corner >> at) & 1]).collect()
+                })
+                .collect();
+            for (place, servo) in drive.servos.iter().map(|at| usize::from(*at)).enumerate() {
+                let part = &self.servos[servo];
+                if part.drive != Drive::Pulses {
+                    continue;
+                }
+                let own = self.board.servos()[servo].servo.settings();
+                let [least, most] = own.range_rad;
+                let mut pulses = [f32::INFINITY, f32::NEG_INFINITY];
+                for q in &corners {
+                    // A joint without a limit goes as far as its servo.
+                    let ends = drive.drive.at_joints(q).map_or(own.range_rad, |pose| {
+                        [own.gear * pose.servos()[place] + own.offset_rad; 2]
+                    });
+                    for us in ends.map(|rad| pulse_us(rad.clamp(least, most))) {
+                        pulses = [pulses[0].min(us), pulses[1].max(us)];
+                    }
+                }
+                all.push((part.own.name.as_str(), pulses));
+            }
+        }
+        all
+    }
+}

@@ -1,0 +1,210 @@
+//! A performance of a rig: a motion looped, fitted, and baked as a show.
+
+use std::borrow::Cow;
+use std::path::Path;
+
+use anyhow::{Context as _, ensure};
+use sinew_mocap::{Kind, read};
+use sinew_retarget::feasibility::{
+    Fit, FitSettings, Limits, LoopError, Looped, Report, RigMotion, check, fit, looped,
+};
+use sinew_retarget::mapping::Mapping;
+use sinew_rig::Mechanism;
+use sinew_rig::review::Servos;
+use sinew_show::TimeCode;
+use sinew_show::write::Settings;
+
+use super::bake::{BakeError, Baked, Baker, CHECK_HZ, Marks, Played, course};
+use super::retargeted_clip::RetargetedClip;
+use super::rig::Loaded;
+use super::table::fitted;
+
+/// Choices of what is done to a motion before it is used.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct MotionChoices {
+    /// Whether the nearest motion within all limits of the rig is made.
+    pub fit: bool,
+    /// Of a loop: how long before its end the motion is led to its beginning, s.
+    pub loop_blend_s: Option<f64>,
+}
+
+/// Choices of a show.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ShowChoices<'a> {
+    /// The CRC of the rig's compact form, or 0.
+    pub rig_crc: u32,
+    /// How near the show is to its motion.
+    pub settings: Settings,
+    /// Names, and when they are in the clip, s.
+    pub cues: &'a [(String, f64)],
+    /// The time code of the first row.
+    pub time_code: Option<TimeCode>,
+}
+
+/// A motion on a rig, and what was done to it.
+pub struct RigPerformance {
+    /// Name of the clip.
+    pub name: String,
+    /// Time of its first frame in the clip's file, s.
+    pub start_s: f64,
+    /// The clip on the rig; of a loop with the looped motion.
+    pub clip: RetargetedClip,
+    /// The limits of the rig.
+    pub limits: Limits,
+    /// What was done for a loop; its motion is in `clip`.
+    pub looped: Option<Looped>,
+    /// The motion within the limits, if it was to be fitted.
+    pub fit: Option<Fit>,
+    loop_blend_s: Option<f64>,
+}
+
+impl RigPerformance {
+    /// Makes a loop of the motion if that is chosen, and brings it within the rig's limits if that is.
+    ///
+    /// # Errors
+    /// The motion cannot be looped or fitted.
+    pub fn new(
+        rig: &Loaded,
+        name: &str,
+        start_s: f64,
+        mut clip: RetargetedClip,
+        choices: MotionChoices,
+    ) -> anyhow::Result<Self> {
+        let mechanism = &rig.mechanism;
+        let limits = Limits::of(mechanism, &Servos::of(&rig.description, mechanism)?);
+        let on_rig = || format!("{name} on {}", rig.description.name);
+        let led = |blend_s| -> Result<Looped, LoopError> {
+            let looped = looped(mechanism, &clip.motion, blend_s)?;
+            // A fit brings all of it within the limits.
+            if !choices.fit {
+                looped.check(mechanism, &limits, &clip.motion)?;
+            }
+            Ok(looped)
+        };
+        let loop_blend_s = choices.loop_blend_s;
+        let looped = loop_blend_s.map(led).transpose().with_context(on_rig)?;
+        if let Some(looped) = &looped {
+            clip.motion.clone_from(&looped.motion);
+        }
+        let fit = choices
+            .fit
+            .then(|| fit(mechanism, &limits, &clip.motion, FitSettings::default()))
+            .transpose()
+            .with_context(on_rig)?;
+        Ok(Self { name: name.to_owned(), start_s, clip, limits, looped, fit, loop_blend_s })
+    }
+
+    /// Bakes the motion as a show, and checks the show against the rig's limits. A fitted motion is fitted once more
+    /// where the show would exceed a limit.
+    ///
+    /// # Errors
+    /// There is no such show, or a cue is not within the clip.
+    pub fn bake(
+        &mut self,
+        mechanism: &Mechanism,
+        choices: &ShowChoices<'_>,
+    ) -> anyhow::Result<(Baked, Report)> {
+        let ShowChoices { rig_crc, settings, time_code, .. } = *choices;
+        let baker = Baker { mechanism, rig: rig_crc, settings };
+        let is_loop = self.loop_blend_s.is_some();
+        let marks = |cues, course| Marks { cues, time_code, course, is_loop };
+        // Cues out of the clip are refused before the work.
+        let cues = self.cues(None, choices.cues)?;
+        let Some(fit) = self.fit.take() else {
+            let baked = baker.bake(&self.clip.motion, &marks(cues, Vec::new()))?;
+            let played = Played::new(&baked.written.bytes)?;
+            let report = check(mechanism, &self.limits, &played, CHECK_HZ)?;
+            return Ok((baked, report));
+        };
+        let (fit, baked, report) =
+            baker.bake_within(&self.limits, &self.clip.motion, fit, |fit| {
+                let course = time_code.map(|code| course(fit, code)).unwrap_or_default();
+                let cues = self.cues(Some(fit), choices.cues).unwrap_or_default();
+                // A fit knows nothing of loops: what it did to one end and not to the other is little, and is mended.
+                let closed = |blend_s| looped(mechanism, &fit.motion, blend_s);
+                let closed = self.loop_blend_s.map(closed).transpose().map_err(BakeError::Loop)?;
+                let motion =
+                    closed.map_or(Cow::Borrowed(&fit.motion), |looped| Cow::Owned(looped.motion));
+                Ok((motion, marks(cues, course)))
+            })?;
+        self.fit = Some(fit);
+        Ok((baked, report))
+    }
+
+    /// Returns the rows of cues, whose times are the clip's, in its motion or in that of a fit.
+    fn cues(
+        &self,
+        fit: Option<&Fit>,
+        cues: &[(String, f64)],
+    ) -> anyhow::Result<Vec<(u32, String)>> {
+        let given_s = self.clip.motion.duration_s();
+        let cue = |(name, time_s): &(String, f64)| {
+            ensure!(
+                *time_s <= given_s,
+                "--cue {name}@{time_s}: expected a time within the clip, which lasts {given_s:.2} s"
+            );
+            Ok((u32::try_from(self.row_at(fit, *time_s))?, name.clone()))
+        };
+        cues.iter().map(cue).collect()
+    }
+
+    /// Returns the row of the motion, or of a fit's, at a time of the clip.
+    fn row_at(&self, fit: Option<&Fit>, given_s: f64) -> usize {
+        let motion = &self.clip.motion;
+        let (row, rows) = match fit {
+            Some(fit) => (fit.given_s.partition_point(|given| *given < given_s), fit.given_s.len()),
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "saturates"
+            )]
+            None => ((given_s / motion.dt_s).round().max(0.0) as usize, motion.rows.len()),
+        };
+        row.min(rows.saturating_sub(1))
+    }
+
+    /// Returns what a fit has done, in words.
+    pub fn fit_summary(&self) -> Option<String> {
+        let given_s = self.clip.motion.duration_s();
+        self.fit.as_ref().map(|fit| fitted(&self.limits, fit, given_s))
+    }
+
+    /// Returns when a time of the clip is in the motion that is used, s.
+    pub fn time_s(&self, given_s: f64) -> f64 {
+        self.row_at(self.fit.as_ref(), given_s) as f64 * self.motion().dt_s
+    }
+
+    /// Returns the angles between the limbs of the motion that is used and the performer's, deg: mean and largest; none
+    /// if no limb is followed.
+    pub fn limb_errors_deg(&self, mechanism: &Mechanism) -> Option<[f64; 2]> {
+        let motion = self.motion();
+        let (mut sum, mut most, mut count) = (0.0, 0.0, 0_u32);
+        for (row, q) in motion.rows.iter().enumerate() {
+            let time_s = row as f64 * motion.dt_s;
+            let clip_s = self.fit.as_ref().map_or(time_s, |fit| fit.given_time_s(time_s));
+            let poses = mechanism.poses(q);
+            for error in self.clip.limb_errors_deg(clip_s, &poses) {
+                sum += error;
+                most = f64::max(most, error);
+                count += 1;
+            }
+        }
+        (count > 0).then(|| [sum / f64::from(count), most])
+    }
+
+    /// Returns the motion that is used: the fitted one, if there is one.
+    pub fn motion(&self) -> &RigMotion {
+        self.fit.as_ref().map_or(&self.clip.motion, |fit| &fit.motion)
+    }
+}
+
+/// Reads a mapping of a clip's joints on a rig.
+///
+/// # Errors
+/// The file is not a mapping.
+pub fn read_mapping(path: &Path) -> anyhow::Result<Mapping> {
+    let expected = "a mapping on the rig, as `sinew clip map --rig` proposes it";
+    let text = read::text_of(path, expected, &[Kind::RigMapping, Kind::Toml])
+        .with_context(|| path.display().to_string())?;
+    Mapping::read(&text).with_context(|| path.display().to_string())
+}

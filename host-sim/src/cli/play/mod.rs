@@ -1,0 +1,177 @@
+//! `sinew play`: a show on a rig, by the controller of the boards.
+
+mod board;
+mod live;
+mod notes;
+mod nucleo;
+mod show;
+mod sim;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context as _, ensure};
+use sinew_host_util::command::note;
+use sinew_host_util::output;
+use sinew_performance::play::{Parts, ServoChoice, put_servos};
+use sinew_performance::rig_hash;
+use sinew_show::Show;
+
+use super::clips::seconds;
+use super::driven::DrivenArgs;
+use super::performance::{ON_STAND, PerformanceArgs};
+use super::stack::with_stack;
+use super::target::Target;
+use super::unit_args::UnitArgs;
+
+/// Rounds of a loop that nobody watches.
+const ROUNDS: u32 = 2;
+
+/// Play a show on a rig: on simulated servos, or on a board.
+///
+/// The controller is the one that boards run. The simulated rig hangs on a stand. Power comes on; the rig is armed
+/// where it is, and goes to the show's first pose at 20 deg/s at most; it plays, goes to its rest pose, and is limp
+/// again. At the end a table shows how well each joint followed. Every run of a command puts the same bytes on the
+/// wire.
+///
+/// On a terminal it plays in real time and shows the joints that follow worst. Ctrl-C stops the rig safely: it goes to
+/// rest, then torque is off. A second Ctrl-C ends at once.
+///
+/// The exit code is 1 if a fault ended the show.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// A show of `sinew bake`; or a clip, built in or a file, which is baked as by `sinew bake --fit`.
+    #[arg(value_name = "SHOW|CLIP")]
+    show: String,
+
+    /// The rig: rig.toml, URDF or MJCF.
+    #[arg(long, value_name = "RIG")]
+    rig: PathBuf,
+
+    /// Put a servo of this kind on each joint that has none: xl330, xl430, xm430, mx-28, mx-64, sts3215, ... With a
+    /// name, on the joints of that name: `l_knee=xm430`, `l_*=xm430`. May be repeated.
+    #[arg(long, value_name = "[JOINT=]KIND")]
+    servo: Vec<ServoChoice>,
+
+    #[command(flatten)]
+    driven: DrivenArgs,
+
+    /// Where the show plays: `sim`, simulated servos under the controller in this program; `nucleo`, the
+    /// NUCLEO-F446RE's image on an emulated chip with simulated servos, several times slower than real time; or the
+    /// serial port of a controller board, such as /dev/ttyACM0, or the USB port where a board answers (`auto`).
+    ///
+    /// A board must have this rig; the command uploads the show if the board lacks it. Ctrl-C stops the rig: it goes to
+    /// its rest pose, is lowered, and torque is off. `cargo xtask emulate` builds the emulator and the image of
+    /// `nucleo`; `SINEW_EMULATOR` and `SINEW_NUCLEO_IMAGE` name others.
+    #[arg(long, value_name = "sim|nucleo|PORT", default_value_t = Target::Sim)]
+    target: Target,
+
+    #[command(flatten)]
+    pace: Pace,
+
+    /// Mapping of a clip's joints to the rig's, in TOML, as `sinew clip map` proposes it. Default: by names and
+    /// geometry.
+    #[arg(long, value_name = "FILE")]
+    mapping: Option<PathBuf>,
+
+    #[command(flatten)]
+    on_rig: PerformanceArgs,
+
+    #[command(flatten)]
+    units: UnitArgs,
+
+    /// Record every tick into this Parquet file, which `sinew report` and pandas read: time, state, whether the show
+    /// ran, faults; of each joint its command, measurement, error, effort and limiter; of each servo current,
+    /// temperature and voltage.
+    #[arg(long, value_name = "FILE.parquet")]
+    record: Option<PathBuf>,
+
+    /// Number of rounds of a show that is a loop. Default: in real time until Ctrl-C, else 2.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    rounds: Option<u32>,
+
+    /// Play only the first S seconds of a clip.
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    seconds: Option<f64>,
+}
+
+/// Options of the pace.
+#[derive(Debug, clap::Args)]
+struct Pace {
+    /// Play as fast as the machine computes. Default if standard output is not a terminal.
+    #[arg(long, conflicts_with = "real_time")]
+    fast: bool,
+
+    /// Play in real time. Default if standard output is a terminal.
+    #[arg(long)]
+    real_time: bool,
+}
+
+/// Runs the subcommand.
+pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
+    with_stack(|| play(args))
+}
+
+fn play(args: &Args) -> anyhow::Result<ExitCode> {
+    args.check()?;
+    let written: Vec<&Path> = args.record.iter().map(PathBuf::as_path).collect();
+    let read = [
+        ("rig", Some(args.rig.as_path())),
+        ("show", Some(Path::new(&args.show))),
+        ("mapping", args.mapping.as_deref()),
+    ];
+    output::distinct(&written, &read)?;
+    // What is missing is said before anything is fitted.
+    let nucleo = (args.target == Target::Nucleo).then(nucleo::Files::find).transpose()?;
+    let mut rig = args.on_rig.rig(&args.rig, ON_STAND)?;
+    let (bare, _) = rig_hash(&rig.description, &rig.mechanism);
+    let count = put_servos(&mut rig.description, &args.servo)
+        .with_context(|| args.rig.display().to_string())?;
+    if count > 0 {
+        rig.mechanism = rig.description.mechanism()?;
+        note(format_args!("{count} joint(s) of {} get servos by --servo", rig.description.name));
+    }
+    let options =
+        if args.target == Target::Nucleo { args.driven.on_board() } else { args.driven.here() };
+    let mut parts = Parts::new(&rig.description, &rig.mechanism, options)
+        .with_context(|| args.rig.display().to_string())?;
+    notes::tell(&parts);
+    let bytes = args.read_or_bake(&rig, &mut parts, bare)?;
+    let rounds = |is_watched| args.rounds(&Show::open(&bytes)?, is_watched);
+    match (&args.target, nucleo) {
+        (Target::Port(port), _) => board::perform(port, &parts, &bytes, rounds(true)?),
+        (Target::Nucleo, Some(files)) => {
+            // Nobody watches an emulated one in real time.
+            nucleo::perform(&files, &rig, &parts, &bytes, rounds(false)?)
+        }
+        (Target::Sim | Target::Nucleo, _) => args.simulate(&rig, &parts, &bytes),
+    }
+}
+
+impl Args {
+    /// Refuses options that have no effect on the target.
+    pub(super) fn check(&self) -> anyhow::Result<()> {
+        let of_sim = [
+            (self.record.is_some(), "--record"),
+            (self.pace.fast, "--fast"),
+            (self.pace.real_time, "--real-time"),
+        ];
+        if self.target != Target::Sim {
+            self.target.refuse(&of_sim, "`--target sim`")?;
+        }
+        if matches!(self.target, Target::Port(_)) {
+            self.target.refuse(&self.driven.given(), "simulated servos: the board has its own")?;
+        }
+        Ok(())
+    }
+
+    /// Returns after how many rounds a loop is stopped; none for a show that ends by itself, or for a loop that goes on.
+    fn rounds(&self, show: &Show<'_>, is_watched: bool) -> anyhow::Result<Option<u32>> {
+        ensure!(
+            show.is_loop() || self.rounds.is_none(),
+            "--rounds: {} is no loop: `sinew bake --loop` makes one",
+            self.show
+        );
+        Ok(self.rounds.or((show.is_loop() && !is_watched).then_some(ROUNDS)))
+    }
+}

@@ -1,0 +1,74 @@
+//! Notes on a loop before it plays: its buses, its rate, its pulses.
+
+use sinew_host_util::command::note;
+use sinew_performance::play::{Drive, Parts};
+
+/// Pulses that hobby servos bear by the common rule, us.
+const SAFE_PULSES_US: [f32; 2] = [1000.0, 2000.0];
+
+/// Tells what the loop is.
+pub(super) fn tell(parts: &Parts) {
+    for (index, line) in parts.lines.iter().enumerate() {
+        let count = line.servos.len();
+        let by = |drive| line.servos.iter().filter(|s| parts.servos[**s].drive == drive).count();
+        if line.is_of_pulses() {
+            note(format_args!(
+                "bus {:?}: {count} servos on pulses of a PCA9685, I2C at {} bit/s; {} Hz, nothing is read",
+                line.name, line.baud, parts.rate_hz
+            ));
+            continue;
+        }
+        let (currents, positions) = (by(Drive::Current), by(Drive::Position));
+        let each = match parts.groups(index) {
+            1 => "all read in each tick".to_owned(),
+            groups => format!("each read once in {groups} ticks"),
+        };
+        note(format_args!(
+            "bus {:?}: {count} servos at {} bit/s, {currents} by current, {positions} by position; {} Hz, {each}",
+            line.name, line.baud, parts.rate_hz
+        ));
+    }
+    tell_pulses(parts);
+    let (compute_us, holds) = parts.on_board;
+    if holds != Some(parts.rate_hz) {
+        let holds =
+            holds.map_or_else(|| "no rate of this loop".to_owned(), |hz| format!("{hz} Hz"));
+        note(format_args!(
+            "{} Hz are of this simulation: by the estimate a board of 180 MHz computes {:.1} ms a tick for {} servos, and \
+             holds {holds} (docs/speed.md)",
+            parts.rate_hz,
+            f64::from(compute_us) / 1000.0,
+            parts.servos.len()
+        ));
+    }
+    let idle: Vec<&str> = (parts.names.iter().zip(&parts.drives))
+        .filter(|(_, drive)| drive.is_none())
+        .map(|(name, _)| name.as_str())
+        .collect();
+    if !idle.is_empty() {
+        note(format_args!("no servo moves {}", idle.join(", ")));
+    }
+}
+
+/// Tells what hobby servos get at the ends of their joints' ranges.
+fn tell_pulses(parts: &Parts) {
+    let all = parts.pulses_us();
+    let told = |of: &[&(&str, [f32; 2])]| {
+        let each = of.iter().map(|(name, [least, most])| {
+            format!("{name} {:.2} to {:.2} ms", 1e-3 * least, 1e-3 * most)
+        });
+        each.collect::<Vec<_>>().join(", ")
+    };
+    let [safe_least, safe_most] = SAFE_PULSES_US;
+    let (safe, wide): (Vec<_>, Vec<_>) =
+        (all.iter()).partition(|(_, [least, most])| *least >= safe_least && *most <= safe_most);
+    if !safe.is_empty() {
+        note(format_args!("pulses within the joints' ranges: {}", told(&safe)));
+    }
+    if !wide.is_empty() {
+        note(format_args!(
+            "warning: pulses outside of 1.0 to 2.0 ms, where many servos stall at an end: try them by hand first: {}",
+            told(&wide)
+        ));
+    }
+}

@@ -1,0 +1,100 @@
+//! `sinew play --target sim`: a show on simulated servos, under the controller in this program.
+
+use std::io::{self, IsTerminal as _};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, bail};
+use sinew_firmware::supervisor::{Fault, Refused};
+use sinew_host_util::command::{note, print};
+use sinew_performance::play::{Director, Ended, Memory, Parts, Recorder, SimulatedRig, Tally};
+use sinew_performance::rig::Loaded;
+use sinew_rig::toml_file;
+use sinew_servo_sim::device::MEMORY_LEN;
+use sinew_show::Show;
+
+use super::Args;
+use super::live::Live;
+use crate::cli::stop::Stop;
+
+impl Args {
+    /// Plays to the end, and prints the table.
+    pub(super) fn simulate(
+        &self,
+        rig: &Loaded,
+        parts: &Parts,
+        bytes: &[u8],
+    ) -> anyhow::Result<ExitCode> {
+        let of_rig = || self.rig.display().to_string();
+        let of_record =
+            || self.record.iter().map(|path| path.display().to_string()).collect::<String>();
+        let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
+        let plant = parts.plant(&rig.description, &rig.mechanism).with_context(of_rig)?;
+        let mut sim =
+            SimulatedRig::new(parts, Some(bytes), &mut memories, plant).with_context(of_rig)?;
+        let mut recorder = self.recorder(rig, parts)?;
+        let is_real_time = self.pace.real_time || !self.pace.fast && io::stdout().is_terminal();
+        let stop = Stop::new()?;
+        let show = Show::open(bytes)?;
+        let rounds = self.rounds(&show, is_real_time)?;
+        let round_ticks = f64::from(show.duration_s()) * f64::from(parts.rate_hz);
+        let is_over = |tally: &Tally| {
+            rounds.is_some_and(|rounds| tally.ticks() as f64 >= f64::from(rounds) * round_ticks)
+        };
+        let mut live = Live::new(&show);
+        let (mut director, mut tally) = (Director::default(), Tally::new(parts));
+        let start = Instant::now();
+        let ended = loop {
+            let ended = director.tick(&mut sim, stop.times() > 0 || is_over(&tally));
+            tally.note(&sim);
+            if let Some(recorder) = &mut recorder {
+                recorder.note(&sim).with_context(of_record)?;
+            }
+            live.show(&sim, director.waits_for());
+            if ended.is_some() || stop.times() > 1 {
+                break ended;
+            }
+            if is_real_time {
+                let due = Duration::from_secs_f64(sim.time_s());
+                std::thread::sleep(due.saturating_sub(start.elapsed()));
+            }
+        };
+        live.end();
+        if let Some(recorder) = recorder {
+            recorder.end().with_context(of_record)?;
+            note(format_args!("wrote {}", of_record()));
+        }
+        print(&tally.table(&sim, director.raised()))?;
+        Ok(match ended {
+            Some(Ended::Done | Ended::Stopped) => ExitCode::SUCCESS,
+            Some(Ended::Faults(faults)) => {
+                for fault in Fault::ALL.into_iter().filter(|fault| faults.contains(*fault)) {
+                    note(format_args!("{fault}: {} {}", fault.when(), fault.remedy()));
+                }
+                ExitCode::from(1)
+            }
+            Some(Ended::Refused(why @ Refused::RegisterDiffers(differs))) => {
+                let name = &parts.servos[usize::from(differs.servo)].own.name;
+                bail!("the controller refused (servo {} is `{name}`): {why}", differs.servo)
+            }
+            Some(Ended::Refused(why)) => bail!("the controller refused: {why}"),
+            None => {
+                note(format_args!(
+                    "ended at once: torque was left on at {} servos",
+                    sim.servos_on()
+                ));
+                ExitCode::from(1)
+            }
+        })
+    }
+
+    fn recorder(&self, rig: &Loaded, parts: &Parts) -> anyhow::Result<Option<Recorder>> {
+        let begin = |path: &PathBuf| {
+            let rig = toml_file::write(&rig.description);
+            let recorder = Recorder::new(path, parts, &rig, &[("show", &self.show)]);
+            recorder.with_context(|| path.display().to_string())
+        };
+        self.record.as_ref().map(begin).transpose()
+    }
+}

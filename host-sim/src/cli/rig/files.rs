@@ -1,0 +1,56 @@
+//! Files of rigs, read and written.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::bail;
+use clap::Args;
+use sinew_host_util::command::note;
+use sinew_performance::rig::{Loaded, load};
+use sinew_rig::import::Options;
+
+/// Reads a rig of any format; what an import changed is said on standard error.
+pub(in crate::cli) fn read(path: &Path) -> anyhow::Result<Loaded> {
+    read_as(path, &Options::default())
+}
+
+/// Reads a rig with the user's word on what the file leaves open.
+pub(super) fn read_as(path: &Path, options: &Options) -> anyhow::Result<Loaded> {
+    let loaded = load(path, options)?;
+    for line in &loaded.notes {
+        note(format_args!("note: {line}"));
+    }
+    Ok(loaded)
+}
+
+/// The file to write, and whether one that is there may be replaced.
+#[derive(Debug, Args)]
+pub(super) struct OutputArgs {
+    /// File to write. Default: standard output.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+
+    /// Replace an existing file.
+    #[arg(long)]
+    force: bool,
+}
+
+impl OutputArgs {
+    /// Writes text, and says where.
+    pub(super) fn write(&self, text: &str) -> anyhow::Result<()> {
+        let Some(path) = &self.output else {
+            sinew_host_util::command::print(text)?;
+            return Ok(());
+        };
+        if path.exists() && !self.force {
+            bail!("{}: is there already; `--force` replaces it", path.display());
+        }
+        write_file(path, text)
+    }
+}
+
+/// Writes a file, and says so.
+pub(super) fn write_file(path: &Path, text: &str) -> anyhow::Result<()> {
+    sinew_host_util::output::write(path, text)?;
+    note(format_args!("wrote {}", path.display()));
+    Ok(())
+}
