@@ -91,6 +91,7 @@
 )]
 
 mod compare;
+mod counts;
 pub mod dynamixel;
 mod error;
 pub mod feetech;

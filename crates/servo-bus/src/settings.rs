@@ -1,8 +1,8 @@
 //! What servos must hold in their registers: the one list of it, for whoever writes it and whoever compares it.
 
+use crate::counts::round;
 use crate::dynamixel::table::{Only, address as dxl};
 use crate::feetech::table::address as feetech;
-use crate::servo_state::round;
 use crate::table::{Item, Range};
 use crate::{dynamixel as dynamixel_servos, feetech as feetech_servos};
 

@@ -57,6 +57,8 @@ pub struct Arm {
 
 /// Of a hard stop: stiff, and stable at steps of 0.25 ms for inertias from 1e-4 kg m² on.
 pub(crate) const STOP_NM_RAD: f64 = 200.0;
+/// Stiffness of the stops of slides, N/m: that of turns, 30 mm from the axis.
+pub(crate) const STOP_N_M: f64 = STOP_NM_RAD / (0.03 * 0.03);
 /// Time that a stop's damping is behind its stiffness, s.
 pub(crate) const STOP_DAMPING_S: f64 = 0.002;
 

@@ -9,7 +9,9 @@ use sinew_servo_bus::feetech::table::{
 };
 use sinew_servo_bus::{BusDevice, dynamixel, feetech};
 
-use crate::device::{LONGEST, MEMORY_LEN, ServoError, check_memory, code_of};
+use crate::device::ServoError;
+use crate::device::codes::code_of;
+use crate::device::limits::{LONGEST, MEMORY_LEN, check_memory};
 use crate::fault::Fault;
 use crate::line::LineDevice;
 use crate::wire::{self, Listener};

@@ -2,7 +2,7 @@
 
 use sinew_servo_bus::BusDevice;
 
-use crate::device::LONGEST;
+use crate::device::limits::LONGEST;
 use crate::fault::{self, Fault};
 
 /// Bits of a byte on the wire, with start and stop.

@@ -1,9 +1,10 @@
 //! What a board declares: where its flash is free, and how large a rig it holds.
 
 use embedded_storage::nor_flash::NorFlash;
-use thiserror::Error;
 
+use crate::area::Area;
 use crate::descriptor::DESCRIPTOR_LEN;
+use crate::error::{CapacityError, TableError};
 use crate::flash::{CHUNK_LEN, padded};
 use crate::record::{HEAD_LEN, Record};
 
@@ -18,17 +19,6 @@ pub struct BoardTable {
     pub capacity: Capacity,
 }
 
-/// Some equal sectors of flash, one behind the other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Area {
-    /// Where the first begins, from the beginning of the flash.
-    pub start: u32,
-    /// Bytes that are erased together.
-    pub sector_len: u32,
-    /// How many.
-    pub sectors: u32,
-}
-
 /// The largest rig that a board holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Capacity {
@@ -38,131 +28,6 @@ pub struct Capacity {
     pub dofs: u16,
     /// Servos.
     pub servos: u16,
-}
-
-/// Why a board does not take a rig.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-#[non_exhaustive]
-pub enum CapacityError {
-    /// It is too large.
-    #[error("the rig has {found} {what}, the board holds {holds}")]
-    TooLarge {
-        /// Of what it has too many.
-        what: &'static str,
-        /// How many it has.
-        found: u16,
-        /// How many the board holds.
-        holds: u16,
-    },
-    /// The bytes do not begin as a rig of version 1.
-    #[error("not a rig of version 1: it begins with {found:02x?} in place of `SNWR`, 1")]
-    NotARig {
-        /// How they begin.
-        found: [u8; 6],
-    },
-}
-
-/// Why a table cannot be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-#[non_exhaustive]
-pub enum TableError {
-    /// The flash writes units that are no power of two up to 32 bytes.
-    #[error("the flash writes {found} bytes at once; 1, 2, 4, 8, 16, 32 are possible")]
-    Granule {
-        /// Bytes it writes at once.
-        found: usize,
-    },
-    /// Areas begin at multiples of 64 bytes, sectors have multiples of 64, and those of the log hold all faults.
-    #[error(
-        "the area at {start:#x} has sectors of {sector_len} bytes: it takes multiples of 64, at least {least}"
-    )]
-    Sector {
-        /// Where the area begins.
-        start: u32,
-        /// The length of its sectors.
-        sector_len: u32,
-        /// The least length.
-        least: u32,
-    },
-    /// The log has one sector, or an area none.
-    #[error("the area at {start:#x} has {found} sectors, it needs {least}")]
-    Sectors {
-        /// Where the area begins.
-        start: u32,
-        /// How many sectors it has.
-        found: u32,
-        /// How many it needs.
-        least: u32,
-    },
-    /// An area ends behind the flash.
-    #[error("the area at {start:#x} ends at {end:#x}, the flash at {capacity:#x}")]
-    Beyond {
-        /// Where the area begins.
-        start: u32,
-        /// Where it ends.
-        end: u64,
-        /// Bytes of flash.
-        capacity: u64,
-    },
-    /// Two areas share sectors.
-    #[error("the areas at {first:#x} and {second:#x} overlap")]
-    Overlap {
-        /// Where one begins.
-        first: u32,
-        /// Where the other begins.
-        second: u32,
-    },
-}
-
-impl Area {
-    /// Bytes of all its sectors.
-    pub const fn total_len(&self) -> u32 {
-        self.sector_len.saturating_mul(self.sectors)
-    }
-
-    /// Where it ends.
-    pub const fn end(&self) -> u32 {
-        self.start.saturating_add(self.total_len())
-    }
-
-    /// Where the sectors end that so many bytes from its beginning lie in.
-    pub(crate) fn sectors_end(&self, len: u32) -> u32 {
-        let behind = len.saturating_add(self.sector_len.saturating_sub(1));
-        let count = behind.checked_div(self.sector_len).unwrap_or_default();
-        self.start.saturating_add(count.saturating_mul(self.sector_len)).min(self.end())
-    }
-
-    /// Bytes of show that it holds as a slot.
-    pub fn holds<F: NorFlash>(&self) -> u32 {
-        self.total_len().saturating_sub(Record::room::<F>(DESCRIPTOR_LEN))
-    }
-
-    /// Minutes of show that it holds as a slot, by the bytes that a second of such a show takes. `None` where those are
-    /// not above 0.
-    pub fn minutes<F: NorFlash>(&self, bytes_per_second: f32) -> Option<f32> {
-        (bytes_per_second > 0.0).then(|| self.holds::<F>() as f32 / bytes_per_second / 60.0)
-    }
-
-    /// Whether it is one, of so many sectors at least, which have so many bytes at least.
-    fn check(&self, least: [u32; 2], capacity: usize) -> Result<(), TableError> {
-        let Self { start, sector_len, sectors } = *self;
-        let [least_sectors, least] = least;
-        let aligned = (start | sector_len) & CHUNK_LEN.saturating_sub(1) == 0;
-        if !aligned || sector_len < least {
-            return Err(TableError::Sector { start, sector_len, least });
-        }
-        if sectors < least_sectors {
-            return Err(TableError::Sectors { start, found: sectors, least: least_sectors });
-        }
-        let len = u64::from(sector_len).saturating_mul(u64::from(sectors));
-        let end = u64::from(start).saturating_add(len);
-        // Places are u32; the last chunk of them is not used, so that sums of lengths saturate above all areas.
-        let capacity = (capacity as u64).min(u64::from(u32::MAX.saturating_sub(CHUNK_LEN)));
-        if end > capacity {
-            return Err(TableError::Beyond { start, end, capacity });
-        }
-        Ok(())
-    }
 }
 
 impl BoardTable {

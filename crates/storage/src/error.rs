@@ -1,10 +1,8 @@
-//! Why something was not stored, or not read.
+//! Errors of tables, capacities and of what is stored.
 
 use core::fmt::Debug;
 
 use thiserror::Error;
-
-use crate::board::{CapacityError, TableError};
 
 /// Why something was not stored, or not read. `E` is the flash driver's error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
@@ -104,4 +102,78 @@ impl<E: Debug> From<CapacityError> for Error<E> {
     fn from(error: CapacityError) -> Self {
         Self::Capacity(error)
     }
+}
+
+/// Why a board does not take a rig.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum CapacityError {
+    /// It is too large.
+    #[error("the rig has {found} {what}, the board holds {holds}")]
+    TooLarge {
+        /// Of what it has too many.
+        what: &'static str,
+        /// How many it has.
+        found: u16,
+        /// How many the board holds.
+        holds: u16,
+    },
+    /// The bytes do not begin as a rig of version 1.
+    #[error("not a rig of version 1: it begins with {found:02x?} in place of `SNWR`, 1")]
+    NotARig {
+        /// How they begin.
+        found: [u8; 6],
+    },
+}
+
+/// Why a table cannot be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum TableError {
+    /// The flash writes units that are no power of two up to 32 bytes.
+    #[error("the flash writes {found} bytes at once; 1, 2, 4, 8, 16, 32 are possible")]
+    Granule {
+        /// Bytes it writes at once.
+        found: usize,
+    },
+    /// Areas begin at multiples of 64 bytes, sectors have multiples of 64, and those of the log hold all faults.
+    #[error(
+        "the area at {start:#x} has sectors of {sector_len} bytes: it takes multiples of 64, at least {least}"
+    )]
+    Sector {
+        /// Where the area begins.
+        start: u32,
+        /// The length of its sectors.
+        sector_len: u32,
+        /// The least length.
+        least: u32,
+    },
+    /// The log has one sector, or an area none.
+    #[error("the area at {start:#x} has {found} sectors, it needs {least}")]
+    Sectors {
+        /// Where the area begins.
+        start: u32,
+        /// How many sectors it has.
+        found: u32,
+        /// How many it needs.
+        least: u32,
+    },
+    /// An area ends behind the flash.
+    #[error("the area at {start:#x} ends at {end:#x}, the flash at {capacity:#x}")]
+    Beyond {
+        /// Where the area begins.
+        start: u32,
+        /// Where it ends.
+        end: u64,
+        /// Bytes of flash.
+        capacity: u64,
+    },
+    /// Two areas share sectors.
+    #[error("the areas at {first:#x} and {second:#x} overlap")]
+    Overlap {
+        /// Where one begins.
+        first: u32,
+        /// Where the other begins.
+        second: u32,
+    },
 }

@@ -37,6 +37,7 @@
     clippy::arithmetic_side_effects
 )]
 
+mod area;
 mod board;
 mod compact;
 mod damage;
@@ -52,10 +53,11 @@ mod store;
 mod stored;
 mod upload;
 
-pub use board::{Area, BoardTable, Capacity, CapacityError, TableError};
+pub use area::Area;
+pub use board::{BoardTable, Capacity};
 pub use descriptor::{Approver, ApproverError, Descriptor, Hash, Kind, SchemaError};
 pub use disarmed::Disarmed;
-pub use error::Error;
+pub use error::{CapacityError, Error, TableError};
 pub use fault::{FAULTS_KEPT, Fault, Faults};
 pub use store::{Condition, Store};
 pub use stored::Stored;

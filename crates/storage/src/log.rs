@@ -9,7 +9,7 @@
 
 use embedded_storage::nor_flash::NorFlash;
 
-use crate::board::Area;
+use crate::area::Area;
 use crate::error::Error;
 use crate::flash::{CHECKSUM, all_ones, fill, padded, read};
 use crate::record::{HEAD_LEN, Head, Record, RecordStatus, Seal};

@@ -2,7 +2,8 @@
 
 use embedded_storage::nor_flash::NorFlash;
 
-use crate::board::{Area, BoardTable};
+use crate::area::Area;
+use crate::board::BoardTable;
 use crate::descriptor::{Descriptor, Kind};
 use crate::disarmed::Disarmed;
 use crate::error::Error;

@@ -41,7 +41,7 @@ pub struct CurrentDrive {
 impl CurrentDrive {
     /// At one tick of latency, which a bus takes: what the tracker's recommended setting bears, see
     /// [`MAX_DELAY_S`](sinew_core::tracker::MAX_DELAY_S).
-    pub const LEAST_HZ: f32 = 200.0;
+    pub const LEAST_HZ: f32 = Class::Current.least_hz();
 
     /// A drive of a servo. `timing`: the tracker's. What is read in one tick acts in the next, so its latency is at
     /// least one tick; where a bus reads each servo every n ticks it is n.
@@ -50,7 +50,7 @@ impl CurrentDrive {
     /// [`Refused`] if readings come too late for the tracker's loop, the torque constant is not known, the range goes
     /// over the encoder's seam, or a number cannot be.
     pub fn new(servo: &Servo, settings: &CurrentSettings, timing: Timing) -> Result<Self, Refused> {
-        Class::Current.check(timing)?;
+        Refused::check_rate(Class::Current, timing)?;
         let late = Timing { latency_ticks: timing.latency_ticks.max(1), ..timing };
         if late.check_recommended().is_err() {
             return Err(Refused::TooSlow { class: Class::Current, least_hz: Self::LEAST_HZ });

@@ -2,7 +2,9 @@
 
 use core::fmt;
 
-use super::Class;
+use sinew_core::tracker::Timing;
+
+use super::class::Class;
 use crate::SettingError;
 
 /// The largest number that is taken, as in `sinew-core`'s coordinates.
@@ -66,6 +68,19 @@ pub enum Refused {
 impl From<SettingError> for Refused {
     fn from(error: SettingError) -> Self {
         Self::Setting(error)
+    }
+}
+
+impl Refused {
+    /// Refuses a rate below the least of a class. A thousandth takes up the rounding of the period.
+    pub(super) fn check_rate(class: Class, timing: Timing) -> Result<(), Self> {
+        SettingError::check("dt_s", timing.dt_s, [1e-4, 1.0])?;
+        let least_hz = class.least_hz();
+        if timing.dt_s * least_hz <= 1.001 {
+            Ok(())
+        } else {
+            Err(Self::TooSlow { class, least_hz })
+        }
     }
 }
 

@@ -68,6 +68,7 @@
 mod class;
 mod condition;
 mod current;
+mod drive;
 mod encoder;
 mod error;
 pub(crate) mod follower;
@@ -77,9 +78,10 @@ mod rig;
 mod target;
 mod turn;
 
-pub use class::{Class, ClassError, DriveSettings, ServoDrive};
+pub use class::{Class, ClassError};
 pub use condition::{Condition, CutOff};
 pub use current::{CurrentDrive, CurrentSettings};
+pub use drive::{DriveSettings, ServoDrive};
 pub use encoder::Encoder;
 pub use error::{InputError, Refused, SetupError};
 pub use measured::Measured;

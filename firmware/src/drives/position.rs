@@ -65,7 +65,7 @@ pub struct PositionDrive {
 
 impl PositionDrive {
     /// Ten times and more what servos follow by themselves: 2 to 4 Hz (`docs/drives.md`).
-    pub const LEAST_HZ: f32 = 50.0;
+    pub const LEAST_HZ: f32 = Class::Position.least_hz();
 
     /// A drive of a servo.
     ///
@@ -77,7 +77,7 @@ impl PositionDrive {
         settings: &PositionSettings,
         timing: Timing,
     ) -> Result<Self, Refused> {
-        Class::Position.check(timing)?;
+        Refused::check_rate(Class::Position, timing)?;
         if servo.settings().position_gain_nm_rad <= 0.0 {
             return Err(Refused::NoStiffness);
         }

@@ -26,14 +26,14 @@ pub struct TargetDrive {
 
 impl TargetDrive {
     /// The rate of the pulses of an analog servo.
-    pub const LEAST_HZ: f32 = 50.0;
+    pub const LEAST_HZ: f32 = Class::Target.least_hz();
 
     /// A drive of a servo.
     ///
     /// # Errors
     /// [`Refused`] if the rate is too low, or the range goes over the encoder's seam.
     pub fn new(servo: &Servo, settings: &TargetSettings, timing: Timing) -> Result<Self, Refused> {
-        Class::Target.check(timing)?;
+        Refused::check_rate(Class::Target, timing)?;
         if let Some(encoder) = settings.encoder {
             encoder.check(servo)?;
         }

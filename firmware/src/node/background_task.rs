@@ -10,9 +10,9 @@ use sinew_rig::board::BoardRig;
 use sinew_storage::{Disarmed, Store, Upload};
 
 use super::board::Port;
-use super::commands::Wait;
 use super::mail::{CommandId, FAULTS_WAITING, Mail, Shared};
 use super::outbox::Outbox;
+use super::pending::Pending;
 use super::settings::NodeSettings;
 use super::telemetry::Telemeter;
 use super::text;
@@ -65,7 +65,7 @@ pub struct BackgroundTask<
     decoder: Decoder<ToController>,
     pub(super) outbox: Outbox,
     /// The command that the loop has now.
-    pub(super) waiting: Option<(CommandId, Wait)>,
+    pub(super) waiting: Option<(CommandId, Pending)>,
     /// The slot of the show that the loop reads.
     pub(super) lent: Option<usize>,
     pub(super) upload: Option<Upload>,

@@ -9,18 +9,10 @@ use sinew_link::rate::{RigSize, telemetry_hz};
 use super::background_task::BackgroundTask;
 use super::board::Port;
 use super::mail::{CommandId, LoopReply, LoopRequest, Mail, Shared};
+use super::pending::Pending;
 use super::service::cycles;
 use super::text;
 use crate::supervisor::{self, Fault};
-
-/// What is done when the loop has answered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Wait {
-    Supervisor,
-    Load { slot: usize },
-    Unload { slot: usize },
-    Service,
-}
 
 impl<
     'a,
@@ -57,7 +49,7 @@ impl<
                     return self.give(
                         LoopRequest::Show(None),
                         ticket,
-                        Wait::Unload { slot: slot.into() },
+                        Pending::Unload { slot: slot.into() },
                         mail,
                     );
                 }
@@ -93,7 +85,9 @@ impl<
         mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) -> Option<Outcome> {
         match self.open(slot, port) {
-            Ok(show) => self.give(LoopRequest::Show(Some(show)), ticket, Wait::Load { slot }, mail),
+            Ok(show) => {
+                self.give(LoopRequest::Show(Some(show)), ticket, Pending::Load { slot }, mail)
+            }
             Err(refusal) => Some(Outcome::Refused(refusal)),
         }
     }
@@ -113,7 +107,7 @@ impl<
             mail.with(|mail| mail.stop = Some(ticket));
             return None;
         }
-        self.give(LoopRequest::Supervise(order), ticket, Wait::Supervisor, mail)
+        self.give(LoopRequest::Supervise(order), ticket, Pending::Supervisor, mail)
     }
 
     /// For the loop behind its tick.
@@ -127,7 +121,7 @@ impl<
             // There is no loop.
             return Some(Outcome::Refused(Refusal::Fault(Fault::SettingsBad.number())));
         }
-        self.give(order, ticket, Wait::Service, mail)
+        self.give(order, ticket, Pending::Service, mail)
     }
 
     /// Gives an order to the loop, if it has none.
@@ -135,7 +129,7 @@ impl<
         &mut self,
         order: LoopRequest<'a, COORDS>,
         ticket: CommandId,
-        wait: Wait,
+        wait: Pending,
         mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) -> Option<Outcome> {
         if self.waiting.is_some() {
@@ -161,11 +155,11 @@ impl<
             }
             (LoopReply::Supervised(Err(why)), _) => Outcome::Refused(text::refused(why)),
             (LoopReply::Busy, _) => Outcome::Refused(Refusal::Busy),
-            (LoopReply::Shown, Some(Wait::Load { slot })) => {
+            (LoopReply::Shown, Some(Pending::Load { slot })) => {
                 self.lent = Some(slot);
                 Outcome::Applied(Applied::Done)
             }
-            (LoopReply::Shown, Some(Wait::Unload { slot })) => {
+            (LoopReply::Shown, Some(Pending::Unload { slot })) => {
                 self.lent = None;
                 outcome(self.delete(slot, mail))
             }

@@ -7,16 +7,10 @@ use sinew_servo_bus::ServoBus;
 use super::board::Safety;
 use super::control::ControlLoop;
 use super::mail::{CommandId, LoopReply, Mail, PassthroughReply, Shared};
+use super::pending::ServiceRequest;
 use super::timing::{Spread, Timings};
-use crate::controller::{MotionController, Wire};
+use crate::controller::Wire;
 use crate::supervisor::State;
-
-/// What a tick is asked for beside its own work.
-#[derive(Debug)]
-pub(super) enum ServiceRequest {
-    Pass(Pass),
-    Health,
-}
 
 /// What came of it.
 #[expect(clippy::large_enum_variant, reason = "no heap to put it on; there is one at a time")]
@@ -26,29 +20,6 @@ enum ServiceReply {
     NoLine,
     TooLong,
     Measured(Health),
-}
-
-/// The lowest supply that servos told while torque was on.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct MinSupply(Option<f32>);
-
-impl MinSupply {
-    /// A tick. O(servos).
-    pub(super) fn note<
-        const BODIES: usize,
-        const DOFS: usize,
-        const SERVOS: usize,
-        const COORDS: usize,
-    >(
-        &mut self,
-        controller: &MotionController<'_, BODIES, DOFS, SERVOS, COORDS>,
-    ) {
-        if controller.permission().torque {
-            let servos = &controller.report().servos;
-            let told = servos.iter().filter_map(|servo| servo.voltage_v);
-            self.0 = told.filter(|v| v.is_finite()).chain(self.0).reduce(f32::min);
-        }
-    }
 }
 
 impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COORDS: usize>

@@ -8,7 +8,7 @@ use sinew_servo_bus::pca9685::Prescale;
 use sinew_wiring::{Line, Protocol};
 use static_cell::ConstStaticCell;
 
-use crate::node::{LINES, SERVOS};
+use crate::capacity::{LINES, SERVOS};
 use crate::{ServoLine, clock, pulses};
 
 /// Room for the packets of a line at once.

@@ -26,6 +26,7 @@
 )]
 
 mod bus;
+mod capacity;
 pub mod clock;
 mod flash;
 mod light;
@@ -39,9 +40,10 @@ mod servo_line;
 pub mod stop;
 pub mod watchdog;
 
+pub use capacity::{BODIES, CAPACITY, COORDINATES, DOFS, LINES, SERVOS};
 pub use flash::Chip;
 pub use light::Light;
-pub use node::{BODIES, CAPACITY, COORDINATES, DOFS, Hardware, LINES, SERVOS, run};
+pub use node::{Hardware, run};
 pub use nucleo::Nucleo;
 pub use serial::{Dma, Serial};
 pub use servo_line::ServoLine;

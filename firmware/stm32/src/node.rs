@@ -23,29 +23,13 @@ use sinew_firmware::watchdog::{Complete, Watchdog};
 use sinew_link::message::{About, Capacities, Release, Version};
 use sinew_rig::board::BoardRig;
 use sinew_servo_bus::{Schedule, Timing, dynamixel};
-use sinew_storage::{BoardTable, Capacity, Store};
+use sinew_storage::{BoardTable, Store};
 use sinew_wiring::{AllLines, Wiring};
 use static_cell::StaticCell;
 
 use crate::bus::{Exchange, Lines, Place, Ports};
+use crate::capacity::{BODIES, COORDINATES, DOFS, LINES, SERVOS, rounded};
 use crate::{Chip, Light, Serial, ServoLine, clock, flash, pulses, reset, watchdog};
-
-/// Servos that these boards hold: those of a small humanoid. 29 kB of RAM are static, 56 the loop, on the stack. With
-/// what else may lie there at once that is nearly all of 128 kB, as budget.toml has it: docs/decisions/boards.md has
-/// why it is made in its place.
-pub const SERVOS: usize = 20;
-/// Bodies.
-pub const BODIES: usize = SERVOS + 1;
-/// Degrees of dof.
-pub const DOFS: usize = SERVOS;
-/// Coordinates: a ball joint has four for three dofs.
-pub const COORDINATES: usize = SERVOS + 2;
-/// Lines of servos: one of UART, one of I2C.
-pub const LINES: usize = 2;
-
-/// The largest rig.
-pub const CAPACITY: Capacity =
-    Capacity { bodies: rounded(BODIES), dofs: rounded(DOFS), servos: rounded(SERVOS) };
 
 /// Room for the longest item of a rig, its compact form and its wiring: half of a sector of 16 kB, since the log keeps
 /// the old one until the new one is whole. OP3 with 20 XM430 takes 6.4 kB.
@@ -58,11 +42,6 @@ type Rig = BoardRig<BODIES, DOFS, SERVOS>;
 type LoopControl = ControlLoop<'static, BODIES, DOFS, SERVOS, COORDINATES>;
 type OwnMail = Locked<Mail<'static, DOFS, SERVOS, COORDINATES>>;
 type OwnWiring = Wiring<LINES, SERVOS>;
-
-#[expect(clippy::cast_possible_truncation, reason = "they are small")]
-const fn rounded(count: usize) -> u16 {
-    count as u16
-}
 
 /// What a board gives. Its interrupts are bound, its clocks run.
 pub struct Hardware {

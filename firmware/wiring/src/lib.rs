@@ -19,12 +19,14 @@
 )]
 
 mod bus;
+mod error;
 mod line;
 mod lines;
 mod remote;
 mod wiring;
 
 pub use bus::Bus;
+pub use error::WiringError;
 pub use line::{Dynamixel, Line, LineServo, Protocol, Pulses, Servo};
 pub use lines::{AllLines, Lines};
-pub use wiring::{LINES, Wiring, WiringError};
+pub use wiring::{LINES, Wiring};

@@ -4,16 +4,13 @@ use heapless::Vec;
 use sinew_core::tracker::Settings as TrackerSettings;
 use sinew_firmware::controller::{ControllerSettings, ServoSetup};
 use sinew_firmware::node::join_rig;
-use sinew_servo_bus::{Schedule, ScheduleError, SetupError};
-use thiserror::Error;
+use sinew_servo_bus::Schedule;
 
+use crate::error::{VERSION, WiringError};
 use crate::{Bus, Line, LineServo, Lines, Servo};
 
 /// Lines that a rig is told with at most; boards hold fewer.
 pub const LINES: usize = 4;
-
-/// Version of the bytes.
-const VERSION: u8 = 1;
 
 /// How a rig of at most `SERVOS` servos hangs on its board, of at most `L` lines.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,44 +25,6 @@ pub struct Wiring<const L: usize, const SERVOS: usize> {
     pub lines: Vec<Line, L>,
     /// The servos, in the rig's order.
     pub servos: Vec<Servo, SERVOS>,
-}
-
-/// Why a wiring is refused.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-#[non_exhaustive]
-pub enum WiringError {
-    /// The bytes are no wiring of this version, or not all of it.
-    #[error("not a wiring of version {VERSION}")]
-    Bytes,
-    /// There are too many servos.
-    #[error("the board holds {holds} servos; the wiring has more")]
-    Servos {
-        /// How many the board holds.
-        holds: usize,
-    },
-    /// There are too many lines, none, or a servo or the loop is on one that there is not.
-    #[error("there are too many lines for this board, none, or servos on one that there is not")]
-    Line,
-    /// A Dynamixel is of no model in the table.
-    #[error("servo {id} is a Dynamixel of model {found}, which is not in the table")]
-    Model {
-        /// Its id.
-        id: u8,
-        /// Its number.
-        found: u16,
-    },
-    /// A servo is on a line of another maker's.
-    #[error("a servo is on a line where another protocol is spoken")]
-    Protocol,
-    /// The chip's clock cannot be divided so.
-    #[error("a PCA9685 makes 24 to 1526 pulses a second at 25 MHz")]
-    Pulses,
-    /// A line is too slow.
-    #[error(transparent)]
-    Schedule(ScheduleError),
-    /// A servo's setting.
-    #[error(transparent)]
-    Setup(SetupError),
 }
 
 impl<const L: usize, const SERVOS: usize> Wiring<L, SERVOS> {

@@ -2,8 +2,8 @@
 
 use glam::{Mat3, Quat, Vec3};
 
+use super::compensation::{AimStatus, Compensation, with_turn};
 use super::one_goal::{SHORTEST_AIM_M, SMALLEST_SINE, toward};
-use super::{AimStatus, Compensation, with_turn};
 use crate::math;
 use crate::matrix::outer;
 use crate::state::BodyState;

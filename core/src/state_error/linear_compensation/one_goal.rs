@@ -2,7 +2,7 @@
 
 use glam::{Quat, Vec3};
 
-use super::{AimStatus, Compensation, with_turn};
+use super::compensation::{AimStatus, Compensation, with_turn};
 use crate::math;
 use crate::state::BodyState;
 use crate::state_error::StateError;

@@ -2,15 +2,13 @@
 
 use heapless::Vec;
 
+use super::coordinate::{Coordinate, LARGEST};
 use super::timeline::Timeline;
-use super::{Coordinate, LiveRefusal, LiveSettings, LiveSetupError};
+use super::{LiveRefusal, LiveSettings, LiveSetupError};
 use crate::message::LiveFrame;
 
 /// The longest delay and time-out, us.
 const LONGEST_US: u32 = 2_000_000;
-
-/// The largest number of a pose and the largest speed, as those of the core: what follows cannot overflow.
-pub(super) const LARGEST: f32 = 1e6;
 
 /// Live frames of a rig of at most `N` coordinates, `FRAMES` at a time: those of the delay, and a few more.
 ///

@@ -4,7 +4,9 @@ use sinew_core::glam::Quat;
 use sinew_core::math;
 
 use super::LiveRefusal;
-use super::buffer::LARGEST;
+
+/// The largest number of a pose and the largest speed, as those of the core: what follows cannot overflow.
+pub(super) const LARGEST: f32 = 1e6;
 
 /// A joint, or a part of one, and the largest speed of its target.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use crate::finite;
 
 use super::{
-    FaultReport, Feed, Health, Item, Numbered, Operator, Passed, State, TelemetrySetting, Value,
+    FaultReport, Feed, Health, Item, Limit, Numbered, Operator, Passed, State, TelemetrySetting,
+    Value,
 };
 
 /// The answer to the command of the same session and number.
@@ -50,39 +51,6 @@ pub enum Applied {
     Passed(Passed),
     /// The controller has measured this of itself.
     Health(Health),
-}
-
-/// What limited a command, or a degree of freedom.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum Limit {
-    /// The end of the range.
-    Range,
-    /// The largest speed.
-    Speed,
-    /// The largest acceleration.
-    Acceleration,
-    /// The largest torque or force.
-    Effort,
-    /// The largest current.
-    Current,
-    /// The largest offset of a position servo, or its fastest change.
-    Offset,
-    /// All together wanted more than the supply gives.
-    Supply,
-    /// It is hot.
-    Heat,
-    /// Nothing was read for too long, or never.
-    Stale,
-    /// A number was not finite.
-    NotFinite,
-    /// There is no room for it in the board's memory.
-    Room,
-    /// The soft start after arming.
-    SoftStart,
-    /// Maintenance is slow.
-    Maintenance,
-    /// The line carries no more.
-    Link,
 }
 
 impl fmt::Display for Limit {

@@ -4,7 +4,7 @@ use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Block, Item, Pass, Place, TelemetrySetting, Value};
+use super::{Block, Item, Operator, Pass, Place, TelemetrySetting, Value};
 
 /// Something to do. The controller answers each with what it did, and what limited it.
 ///
@@ -108,7 +108,3 @@ impl fmt::Display for Feed {
         })
     }
 }
-
-/// Somebody at a terminal, by a number of the host's choice.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub struct Operator(pub u8);

@@ -4,18 +4,22 @@ mod answer;
 mod command;
 mod fault;
 mod greeting;
+mod limit;
 mod numbered;
+mod operator;
 mod service;
 mod state;
 mod stored;
 mod stream;
 mod telemetry;
 
-pub use answer::{Answer, Applied, Limit, Outcome, Refusal};
-pub use command::{Command, Feed, Operator};
+pub use answer::{Answer, Applied, Outcome, Refusal};
+pub use command::{Command, Feed};
 pub use fault::{FaultRecord, FaultReport};
 pub use greeting::{About, Capacities, Hello, Misfit, Release, Version, Welcome};
+pub use limit::Limit;
 pub use numbered::Numbered;
+pub use operator::Operator;
 pub use service::{
     Cycles, Health, PASS_LEAST_BAUD, PASS_MAX, PASS_WAIT_US, PASSED_MAX, Pass, Passed,
 };

@@ -4,7 +4,8 @@ use heapless::Vec;
 
 use super::register::{CHANNELS, OFF, PERIOD, channel};
 use super::setup::Prescale;
-use crate::servo_state::{check_finite, check_positive, round};
+use crate::counts::round;
+use crate::servo_state::{check_finite, check_positive};
 use crate::settings::ServoRequirements;
 use crate::sink::Sink;
 use crate::{

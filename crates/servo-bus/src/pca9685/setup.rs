@@ -48,8 +48,8 @@ impl Prescale {
         {
             return Err(PrescaleError);
         }
-        let divider = u8::try_from(crate::servo_state::round(divider, [3, 255]))
-            .map_err(|_| PrescaleError)?;
+        let divider =
+            u8::try_from(crate::counts::round(divider, [3, 255])).map_err(|_| PrescaleError)?;
         Ok(Self { divider, oscillator_hz })
     }
 

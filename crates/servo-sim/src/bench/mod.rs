@@ -7,7 +7,8 @@ use std::collections::VecDeque;
 
 use sinew_servo_bus::{BusDevice, EncodeError, ServoBus};
 
-use crate::device::{LONGEST, STEP_S, Servo};
+use crate::device::limits::LONGEST;
+use crate::device::{STEP_S, Servo};
 use crate::fault::{Fault, FaultKind};
 use crate::line::LineDevice;
 use crate::load::{Plant, Shaft};

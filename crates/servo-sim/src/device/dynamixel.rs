@@ -5,7 +5,9 @@ use sinew_servo_bus::dynamixel::device::Memory;
 use sinew_servo_bus::dynamixel::table::{Table, address};
 use sinew_servo_bus::dynamixel::{Device, Event, Instruction};
 
-use super::{LONGEST, ServoError};
+use super::codes::whole;
+use super::error::ServoError;
+use super::limits::{LONGEST, check_memory};
 use crate::firmware::Sensed;
 use crate::firmware::dynamixel::{Firmware, Settings, VELOCITY_COUNTS_S};
 use crate::model::{Parameters, Power};
@@ -45,7 +47,7 @@ impl<'m> Dynamixel<'m> {
         id: u8,
         memory: &'m mut [u8],
     ) -> Result<Self, ServoError> {
-        super::check_memory(memory, table.size())?;
+        check_memory(memory, table.size())?;
         let mut servo = Self {
             device: Device::new(table, id, memory),
             firmware: Firmware::new(kind.position_p_divisor),
@@ -164,7 +166,7 @@ impl<'m> Dynamixel<'m> {
 
     pub(super) fn tick(&mut self, sensed: &Sensed, dt_s: f64) -> Power {
         self.time_ms += dt_s * 1e3;
-        self.device.pass_time(super::whole(dt_s * 1e6).unsigned_abs());
+        self.device.pass_time(whole(dt_s * 1e6).unsigned_abs());
         let power = self.firmware.tick(sensed, dt_s);
         if self.firmware.is_shut_down() && self.firmware.settings.torque_is_on {
             self.lose_torque();
@@ -176,24 +178,24 @@ impl<'m> Dynamixel<'m> {
     pub(super) fn publish(&mut self, sensed: &Sensed) {
         let [moving, moving_status] = self.firmware.motion(sensed);
         let effort = match self.current_unit_a {
-            Some(unit) => super::whole(sensed.current_a / unit),
+            Some(unit) => whole(sensed.current_a / unit),
             // Load is what it applies, 0.1 %.
-            None => super::whole(sensed.duty * 1e3),
+            None => whole(sensed.duty * 1e3),
         };
         let firmware = &self.firmware;
         let values = [
             (address::HARDWARE_ERROR, firmware.errors.into()),
-            (REALTIME_TICK, super::whole(self.time_ms) % TICKS),
+            (REALTIME_TICK, whole(self.time_ms) % TICKS),
             (address::MOVING, moving),
             (MOVING_STATUS, moving_status),
-            (PRESENT_PWM, super::whole(sensed.duty * crate::firmware::dynamixel::PWM_COUNTS)),
+            (PRESENT_PWM, whole(sensed.duty * crate::firmware::dynamixel::PWM_COUNTS)),
             (address::PRESENT_CURRENT, effort),
-            (address::PRESENT_VELOCITY, super::whole(sensed.velocity / VELOCITY_COUNTS_S)),
+            (address::PRESENT_VELOCITY, whole(sensed.velocity / VELOCITY_COUNTS_S)),
             (address::PRESENT_POSITION, firmware.position(sensed)),
-            (VELOCITY_TRAJECTORY, super::whole(firmware.profile.velocity / VELOCITY_COUNTS_S)),
-            (POSITION_TRAJECTORY, super::whole(firmware.profile.position)),
-            (address::PRESENT_VOLTAGE, super::whole(sensed.supply_v * 10.0)),
-            (address::PRESENT_TEMPERATURE, super::whole(sensed.case_c)),
+            (VELOCITY_TRAJECTORY, whole(firmware.profile.velocity / VELOCITY_COUNTS_S)),
+            (POSITION_TRAJECTORY, whole(firmware.profile.position)),
+            (address::PRESENT_VOLTAGE, whole(sensed.supply_v * 10.0)),
+            (address::PRESENT_TEMPERATURE, whole(sensed.case_c)),
         ];
         let memory: &mut Memory<'_> = self.device.memory_mut();
         for (at, value) in values {

@@ -4,7 +4,9 @@ use sinew_servo_bus::BusDevice;
 use sinew_servo_bus::feetech::table::address;
 use sinew_servo_bus::feetech::{Device, Event, Instruction, Table};
 
-use super::ServoError;
+use super::codes::{duty_per_rad, whole};
+use super::error::ServoError;
+use super::limits::{MEMORY_LEN, check_memory};
 use crate::firmware::Sensed;
 use crate::firmware::feetech::{Firmware, Settings, TURN};
 use crate::model::{Parameters, Power};
@@ -51,8 +53,8 @@ impl<'m> Feetech<'m> {
         id: u8,
         memory: &'m mut [u8],
     ) -> Result<Self, ServoError> {
-        super::check_memory(memory, super::MEMORY_LEN)?;
-        let duty_per_count = super::duty_per_rad(kind) * kind.resolution_rad;
+        check_memory(memory, MEMORY_LEN)?;
+        let duty_per_count = duty_per_rad(kind) * kind.resolution_rad;
         let speed_cap = kind.speed_cap_rad_s.map_or(f64::INFINITY, |cap| cap / kind.resolution_rad);
         let mut servo = Self {
             device: Device::new(table, id, memory),
@@ -154,14 +156,14 @@ impl<'m> Feetech<'m> {
         let speed = sensed.velocity / firmware.settings.speed_counts;
         let values = [
             (address::PRESENT_POSITION, firmware.position(sensed)),
-            (PRESENT_SPEED, super::whole(speed)),
-            (PRESENT_LOAD, super::whole(sensed.duty * 1e3)),
-            (PRESENT_VOLTAGE, super::whole(sensed.supply_v * 10.0)),
-            (PRESENT_TEMPERATURE, super::whole(sensed.case_c)),
+            (PRESENT_SPEED, whole(speed)),
+            (PRESENT_LOAD, whole(sensed.duty * 1e3)),
+            (PRESENT_VOLTAGE, whole(sensed.supply_v * 10.0)),
+            (PRESENT_TEMPERATURE, whole(sensed.case_c)),
             (address::STATUS, firmware.errors.into()),
             (MOVING, firmware.is_moving(sensed).into()),
-            (TARGET_POSITION, super::whole(firmware.profile.position)),
-            (address::PRESENT_CURRENT, super::whole(sensed.current_a / CURRENT_A)),
+            (TARGET_POSITION, whole(firmware.profile.position)),
+            (address::PRESENT_CURRENT, whole(sensed.current_a / CURRENT_A)),
         ];
         for (at, value) in values {
             self.device.set(at, value);

@@ -1,8 +1,10 @@
 //! A whole servo: physics, program, and the registers of `sinew-servo-bus`' devices.
 
+pub(crate) mod codes;
 mod dynamixel;
 mod error;
 mod feetech;
+pub(crate) mod limits;
 mod on_line;
 
 use sinew_servo_bus::dynamixel::table::{BAUDS as DYNAMIXEL_BAUDS, address};
@@ -12,14 +14,12 @@ use crate::firmware::{Sensed, pulse};
 use crate::load::{Load, Shaft};
 use crate::model::{Draw, Flow, Gear, Heat, Motor, Parameters, Power};
 use crate::registers::RegisterTable;
+use codes::{code_of, duty_per_rad, whole};
 use dynamixel::Dynamixel;
 pub use error::ServoError;
 use feetech::Feetech;
+pub use limits::MEMORY_LEN;
 
-/// Bytes of registers that any servo needs.
-pub const MEMORY_LEN: usize = 768;
-/// The longest packet.
-pub(crate) const LONGEST: usize = 1024;
 /// Physics goes in steps of so long, s.
 pub const STEP_S: f64 = 2.5e-4;
 /// Time constant of the filter of its own speed, s. Guess.
@@ -341,31 +341,4 @@ impl<'m> Servo<'m> {
         let stall_a = sensed.supply_v * self.stall_a_v;
         sensed.load = if stall_a > 0.0 { sensed.current_a / stall_a } else { 0.0 };
     }
-}
-
-/// Part of the supply for an error of position, 1/rad, that makes the stiffness as shipped, without friction.
-pub(crate) fn duty_per_rad(kind: &Parameters) -> f64 {
-    let stall_nm = kind.torque_constant_nm_a * kind.voltage_v / kind.resistance_ohm;
-    kind.position_gain_nm_rad / stall_nm
-}
-
-/// The code of a baud rate.
-pub(crate) fn code_of(baud: u32, bauds: &[u32]) -> Result<i32, ServoError> {
-    let code = bauds.iter().position(|known| *known == baud);
-    code.and_then(|code| i32::try_from(code).ok())
-        .ok_or_else(|| ServoError::Baud { baud, known: bauds.to_vec() })
-}
-
-pub(crate) fn check_memory(memory: &[u8], needs: usize) -> Result<(), ServoError> {
-    if memory.len() < needs {
-        return Err(ServoError::Memory { needs, has: memory.len() });
-    }
-    Ok(())
-}
-
-/// To the nearest whole number; what does not fit is the nearest that does.
-pub(crate) fn whole(value: f64) -> i32 {
-    #[expect(clippy::cast_possible_truncation, reason = "the cast saturates, and NaN becomes 0")]
-    let whole = libm::rint(value) as i32;
-    whole
 }

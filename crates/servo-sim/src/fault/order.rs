@@ -107,7 +107,9 @@ impl FromStr for FaultOrder {
         };
         let kind = match *name {
             "silent" => FaultKind::Silent,
-            "late" => FaultKind::Late(crate::device::whole(time(value)? * 1e6).unsigned_abs()),
+            "late" => {
+                FaultKind::Late(crate::device::codes::whole(time(value)? * 1e6).unsigned_abs())
+            }
             "wrong-crc" => FaultKind::WrongCheck,
             "short" => FaultKind::Short(whole(u8::MAX)?.into()),
             "wrong-id" => FaultKind::WrongId(whole(252)?),

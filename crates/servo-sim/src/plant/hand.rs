@@ -1,7 +1,7 @@
 //! A hand that leads a joint.
 
-use super::{RigPlant, STOP_N_M};
-use crate::load::STOP_NM_RAD;
+use super::mechanics::Mechanics;
+use crate::load::{STOP_N_M, STOP_NM_RAD};
 use sinew_rig::mechanism::JointModel;
 
 /// Part of a stop's stiffness that a hand has.
@@ -18,42 +18,44 @@ pub struct Hand {
     pub velocity: f64,
 }
 
-/// A hand, and the joint that it holds.
+/// How a hand holds one dof of a joint.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Holds {
+pub(super) struct Grip {
     pub(super) dof: usize,
     coordinate: usize,
     stiffness: f64,
-    hand: Hand,
 }
 
-impl Holds {
-    /// What it pushes with, and how that falls with speed.
-    pub(super) fn push(&self, dt_s: f64, q: &[f64], qd: &[f64]) -> (f64, f64) {
-        let (at, speed) = (q[self.coordinate], qd[self.dof]);
-        let damping = self.stiffness * DAMPING_S;
-        let slope = damping + self.stiffness * dt_s;
-        let Hand { position, velocity } = self.hand;
-        (self.stiffness * (position - at) + damping * velocity - slope * speed, slope)
-    }
+/// A hand, and its grip.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Holds {
+    pub(super) grip: Grip,
+    pub(super) hand: Hand,
 }
 
-impl RigPlant {
-    /// A hand takes a joint's dof, or leads it on; none lets go. Hands do not take ball joints: then nothing
-    /// happens, and it says so.
-    pub fn lead(&mut self, dof: usize, hand: Option<Hand>) -> bool {
-        self.hands.retain(|holds| holds.dof != dof);
-        let bodies = &self.mechanics.mechanism.bodies;
-        let body = (0..bodies.len()).find(|at| self.mechanics.dofs_of(*at).contains(&dof));
-        let Some(body) = body else { return false };
+impl Grip {
+    /// Returns the grip on a dof; none on that of a ball joint, which hands do not take.
+    pub(super) fn new(mechanics: &Mechanics, dof: usize) -> Option<Self> {
+        let bodies = &mechanics.mechanism.bodies;
+        let body = (0..bodies.len()).find(|at| mechanics.dofs_of(*at).contains(&dof))?;
         let stiffness = match bodies[body].joint {
-            JointModel::Spherical | JointModel::Free | JointModel::Fixed => return false,
+            JointModel::Spherical | JointModel::Free | JointModel::Fixed => return None,
             JointModel::Prismatic(_) => FIRM * STOP_N_M,
             _ => FIRM * STOP_NM_RAD,
         };
-        let [first, coordinate] = self.mechanics.places[body];
-        let coordinate = coordinate + dof - first;
-        self.hands.extend(hand.map(|hand| Holds { dof, coordinate, stiffness, hand }));
-        true
+        let [first, coordinate] = mechanics.places[body];
+        Some(Self { dof, coordinate: coordinate + dof - first, stiffness })
+    }
+}
+
+impl Holds {
+    /// Returns what the hand pushes with, and how that falls with speed.
+    pub(super) fn push(&self, dt_s: f64, q: &[f64], qd: &[f64]) -> (f64, f64) {
+        let Grip { dof, coordinate, stiffness } = self.grip;
+        let (at, speed) = (q[coordinate], qd[dof]);
+        let damping = stiffness * DAMPING_S;
+        let slope = damping + stiffness * dt_s;
+        let Hand { position, velocity } = self.hand;
+        (stiffness * (position - at) + damping * velocity - slope * speed, slope)
     }
 }

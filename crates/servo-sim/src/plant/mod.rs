@@ -18,17 +18,15 @@ use sinew_rig::drive::DriveInputError;
 use sinew_rig::mechanism::{GRAVITY_M_S2, JointModel};
 use sinew_rig::{Description, Mechanism};
 
-use crate::load::{Arm, Plant, STOP_DAMPING_S, STOP_NM_RAD, Shaft};
+use crate::load::{Arm, Plant, STOP_DAMPING_S, STOP_N_M, STOP_NM_RAD, Shaft};
 use crate::model::Parameters;
 use crate::rig::{HORN_KG_M2, RigServosError};
 use drives::Driven;
 pub use hand::Hand;
-use hand::Holds;
+use hand::{Grip, Holds};
 use mechanics::{Mechanics, advance};
 use symmetric::Symmetric;
 
-/// Stops of slides, N/m: that of turns, 30 mm from the axis.
-const STOP_N_M: f64 = STOP_NM_RAD / (0.03 * 0.03);
 /// Below this speed Coulomb friction of joints grows in proportion, rad/s or m/s: a joint at rest creeps.
 const CREEP: f64 = 1e-3;
 /// The least inertia of a joint that no servo moves, kg m² or kg: what has none would follow no force.
@@ -250,6 +248,15 @@ impl RigPlant {
         sum
     }
 
+    /// A hand takes a joint's dof, or leads it on; none lets go. Hands do not take ball joints: then nothing
+    /// happens, and it says so.
+    pub fn lead(&mut self, dof: usize, hand: Option<Hand>) -> bool {
+        self.hands.retain(|holds| holds.grip.dof != dof);
+        let Some(grip) = Grip::new(&self.mechanics, dof) else { return false };
+        self.hands.extend(hand.map(|hand| Holds { grip, hand }));
+        true
+    }
+
     /// Joint coordinates, as `sinew_core::coordinates` has them.
     pub fn q(&self) -> &[f64] {
         &self.q
@@ -321,7 +328,7 @@ impl RigPlant {
         }
         for hand in &self.hands {
             let (force, slope) = hand.push(dt_s, &self.q, &self.qd);
-            add(&along(&self.joints, hand.dof), force, slope);
+            add(&along(&self.joints, hand.grip.dof), force, slope);
         }
         for (servo, (shaft, range)) in self.own.iter().zip(&self.stops_rad).enumerate() {
             let (at, speed) = (shaft.position_rad, shaft.velocity_rad_s);

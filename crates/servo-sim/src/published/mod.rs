@@ -10,7 +10,8 @@ use sinew_servo_bus::feetech::Family;
 use sinew_servo_bus::feetech::table::address::RETURN_DELAY as FEETECH_DELAY;
 
 use crate::bench::Bench;
-use crate::device::{MEMORY_LEN, Servo, ServoError, duty_per_rad, whole};
+use crate::device::codes::{duty_per_rad, whole};
+use crate::device::{MEMORY_LEN, Servo, ServoError};
 use crate::firmware::dynamixel::PWM_COUNTS;
 use crate::load::Arm;
 use crate::model::{Parameters, ParametersError};

@@ -1,8 +1,8 @@
 //! From joints to channels.
 
-use super::Settings;
 use super::curve::Samples;
 use super::refine::Bound;
+use super::settings::Settings;
 use crate::joint::Joint;
 
 /// The curves of a joint that have one error: four of a rotation, or one.

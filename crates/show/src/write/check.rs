@@ -1,6 +1,8 @@
 //! What a motion and settings must be.
 
-use super::{Motion, Settings, WriteError};
+use super::error::WriteError;
+use super::motion::Motion;
+use super::settings::Settings;
 use crate::joint::Joint;
 use crate::layout::{LARGEST, LONGEST};
 use crate::position::Rate;

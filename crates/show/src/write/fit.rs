@@ -32,14 +32,6 @@ impl Weights {
     }
 }
 
-/// The weights of control values 1 to 4 of six knots, at a place between knots 2 and 3.
-#[cfg(test)]
-pub(crate) fn weights(knots: [i32; 6], at: f64) -> [f64; 4] {
-    let u = at - f64::from(knots[2]);
-    let [a, b, c, d] = Weights::new(knots).0;
-    std::array::from_fn(|k| a[k] + u * (b[k] + u * (c[k] + u * d[k])))
-}
-
 /// Sums of the powers 0 to 6 of the integers from 0 to before `count` (Faulhaber).
 fn power_sums(count: i32) -> [f64; 7] {
     let n = f64::from(count);
@@ -149,6 +141,15 @@ fn solve(rows: &mut [[f64; 4]], right: &mut [f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::span::Cubic;
+    use crate::span_lengths::span;
+
+    /// The weights of control values 1 to 4 of six knots, at a place between knots 2 and 3.
+    fn weights(knots: [i32; 6], at: f64) -> [f64; 4] {
+        let u = at - f64::from(knots[2]);
+        let [a, b, c, d] = Weights::new(knots).0;
+        std::array::from_fn(|k| a[k] + u * (b[k] + u * (c[k] + u * d[k])))
+    }
 
     #[test]
     fn jerks_are_third_differences_where_spans_are_equal_and_none_of_a_parabola() {
@@ -187,6 +188,61 @@ mod tests {
             let sum: f64 =
                 weights(window, at).iter().zip(&controls[first + 1..]).map(|(w, c)| w * c).sum();
             assert!((sum - parabola(at)).abs() < 1e-9, "{sum} {}", parabola(at));
+        }
+    }
+
+    #[test]
+    #[expect(
+        clippy::indexing_slicing,
+        clippy::cast_possible_truncation,
+        reason = "a test, of numbers that are near"
+    )]
+    fn the_curve_and_its_derivatives_are_the_spline_s() {
+        let mut random = 5u32;
+        let mut next = |below: i32| {
+            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            i32::try_from(random >> 8).unwrap_or(0) % below
+        };
+        for _ in 0..2000 {
+            let mut knots = [next(1000) - 500; 6];
+            for k in 1..6 {
+                knots[k] = knots[k - 1] + span(u8::try_from(next(12)).unwrap_or(0));
+            }
+            let control = [0; 4].map(|_| next(4000) - 2000);
+            let step = 1e-3;
+            let cubic = Cubic::new(&knots, control, step);
+            let len = f64::from(knots[3] - knots[2]);
+            let exact = |u: f64| -> f64 {
+                let weights = weights(knots, f64::from(knots[2]) + u);
+                weights.iter().zip(control).map(|(w, c)| w * f64::from(c)).sum::<f64>()
+                    * f64::from(step)
+            };
+            // Differences of a cubic by so much are exact, but for rounding and the third derivative's part in speed.
+            let h = len * 1e-3;
+            let shortest = knots.windows(2).map(|w| f64::from(w[1] - w[0])).fold(len, f64::min);
+            for share in [0.0f32, 0.1, 0.5, 0.9, 1.0] {
+                let (u, u_f32) = (len * f64::from(share), len as f32 * share);
+                let middle = u.clamp(h, len - h);
+                let (a, b, c) = (exact(middle - h), exact(middle), exact(middle + h));
+                let acceleration = (a - 2.0 * b + c) / (h * h);
+                let speed = (c - a) / (2.0 * h);
+                let at_middle = cubic.at(middle as f32).map(f64::from);
+                // Rounding of f32, of control values up to 2 over the shortest span.
+                let size = 2.0 * 8.0 * f64::from(f32::EPSILON);
+                assert!((f64::from(cubic.at(u_f32)[0]) - exact(u)).abs() < size);
+                assert!(
+                    (at_middle[1] - speed).abs()
+                        < size / shortest
+                            + 1e-4 * speed.abs() * 1e-2
+                            + 6.0 * 4.0 / shortest.powi(3) * h * h / 6.0
+                );
+                assert!(
+                    (at_middle[2] - acceleration).abs()
+                        < 6.0 * size / shortest.powi(2)
+                            + 1e-7 * acceleration.abs()
+                            + 1e-15 / (h * h)
+                );
+            }
         }
     }
 }

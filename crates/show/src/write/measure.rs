@@ -1,7 +1,9 @@
 //! How near a show is to its samples, as it is played.
 
+use super::error::WriteError;
+use super::motion::Motion;
 use super::refine::angle_between;
-use super::{Motion, Settings, WriteError};
+use super::settings::Settings;
 use crate::joint::Joint;
 use crate::player::Player;
 use crate::position::Position;

@@ -6,71 +6,29 @@ mod curve;
 mod error;
 mod fit;
 mod measure;
+mod motion;
 mod pack;
 mod refine;
+mod settings;
 
 use std::ops::Range;
 
-use crate::joint::Joint;
 use crate::layout::{
     CHANNEL_LEN, ChannelRecord, HEADER_LEN, Header, LARGEST_CONTROL, LOOP, SLOWED,
 };
-use crate::position::Rate;
 use crate::show::CHECKSUM;
-use crate::time_code::TimeCode;
 use channels::groups;
 use check::{check, per_sample};
 pub use error::WriteError;
-#[cfg(test)]
-pub(crate) use fit::weights;
 pub use measure::Errors;
 use measure::measure;
+pub use motion::Motion;
 use pack::BitWriter;
 use refine::{Aim, Refined, refine};
+pub use settings::Settings;
 
 /// The fewest spans of a loop: a player looks three knots ahead, and no farther than the next round.
 const LEAST_SPANS: i32 = 6;
-
-/// What a show is made of.
-#[derive(Debug, Clone, Copy)]
-pub struct Motion<'a> {
-    /// The rig's joints, in regular numbering.
-    pub joints: &'a [Joint],
-    /// The rig's coordinates in each sample, one sample behind the other: nq numbers each, rad, m, quaternions xyzw.
-    pub q: &'a [f64],
-    /// Samples per second.
-    pub rate: Rate,
-    /// Whether the sample behind the last one is the first again.
-    pub is_loop: bool,
-    /// The CRC of the rig's compact form, or 0.
-    pub rig: u32,
-    /// What happens when: a sample, and a name of at most 255 bytes.
-    pub cues: &'a [(u32, &'a str)],
-    /// The time code of the first sample.
-    pub time_code: Option<TimeCode>,
-    /// Where the performance was when the show is at a sample, if the show was slowed down: pairs of samples, both in
-    /// order, between which it goes evenly. The time code follows.
-    pub course: &'a [(u32, u32)],
-}
-
-/// How near the show must be to its samples.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
-    /// The largest error of angles and rotations, rad. Default: 0.25°.
-    pub angle_rad: f64,
-    /// The largest error of displacements and positions, along each axis, m. Default: 1 mm.
-    pub length_m: f64,
-    /// How long a block is, s. Default: 4.
-    pub block_s: f64,
-    /// The step of control values, in shares of the largest error. Default: 1/2.
-    pub step: f64,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self { angle_rad: 0.25_f64.to_radians(), length_m: 1e-3, block_s: 4.0, step: 0.5 }
-    }
-}
 
 /// A show, and how near it is to its samples.
 #[derive(Debug, Clone)]

@@ -8,8 +8,7 @@ use sinew_steps::image::{Image, built_in};
 
 use super::figures::{Figures, Place};
 use super::images;
-use super::kernels::field;
-use super::kernels::number;
+use super::printed::{field, number};
 use super::tables;
 use super::trace::qemu;
 

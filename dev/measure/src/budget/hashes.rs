@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result, ensure};
 
-use super::kernels::field;
+use super::printed::field;
 
 /// Fails if the hashes that an image printed, such as `hash=show_frames bits=0123456789abcdef`, are not the host's.
 pub(super) fn compare(printed: &str, host: &[(&str, u64)]) -> Result<()> {

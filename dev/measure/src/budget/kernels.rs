@@ -9,6 +9,7 @@ use sinew_image::EMULATED;
 use super::figures::{Figures, Place};
 use super::hashes;
 use super::images::{BUS, DRIVES, KERNELS, SERVOS, SHOW, WHOLE_LOOP};
+use super::printed::{field, number};
 use super::stack::{Depth, Frames, deepest};
 use super::trace::{Mix, Trace, qemu, trace};
 use crate::elf::Elf;
@@ -255,21 +256,6 @@ impl Kernel {
     fn cycles(&self) -> u64 {
         Mix::sum(self.mixes.values()).cycles.div_ceil(self.runs)
     }
-}
-
-/// What a line such as `kernel=rnea bodies=18` says of a name.
-pub(crate) fn field<'a>(line: &'a str, name: &str) -> Result<&'a str> {
-    line.split_whitespace()
-        .filter_map(|word| word.split_once('='))
-        .find(|(key, _)| *key == name)
-        .map(|(_, value)| value)
-        .with_context(|| format!("QEMU printed no `{name}` in: {line}"))
-}
-
-/// The same of a whole number.
-pub(crate) fn number(line: &str, name: &str) -> Result<u64> {
-    let number = field(line, name)?.parse();
-    number.with_context(|| format!("QEMU printed no whole number for `{name}` in: {line}"))
 }
 
 #[cfg(test)]

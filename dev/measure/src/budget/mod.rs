@@ -8,6 +8,7 @@ mod hashes;
 mod images;
 mod kernels;
 mod page;
+mod printed;
 mod stack;
 mod tables;
 mod trace;

@@ -2,8 +2,9 @@
 
 use heapless::Vec;
 
+use super::lengths::MOTION_LEN;
 use super::servo::Servo;
-use super::{Awaits, Bus, MOTION_LEN, settings_of};
+use super::{Awaits, Bus, settings_of};
 use crate::compare::Comparison;
 use crate::dynamixel::fast::{FastReader, answer_len};
 use crate::dynamixel::frame::{BROADCAST, Packet};

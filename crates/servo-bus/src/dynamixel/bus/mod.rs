@@ -1,6 +1,7 @@
 //! A bus of Dynamixel servos, as a rig sees it.
 
 mod cycle;
+mod lengths;
 mod servo;
 mod setup;
 
@@ -16,17 +17,9 @@ use crate::compare::{Comparison, patient_us};
 use crate::servo_state::{check_servos, servos_of};
 use crate::settings::{self, DYNAMIXEL_WATCHDOG, ServoRequirements, Setting};
 use crate::{EncodeError, Request, Schedule, SetupError};
+use lengths::{LONGEST, SLOW_LEN};
 use servo::{Goals, Servo};
 pub use setup::{Mode, ServoSetup, Settings, traffic};
-
-/// Current or load, velocity and position: 126 to 135.
-const MOTION_LEN: u16 = 10;
-/// Supply and temperature: 144 to 146.
-const SLOW_LEN: u16 = 3;
-/// A question for [`SLOW_LEN`] bytes, and its answer.
-const EXTRA_LEN: u32 = 14 + 11 + 3;
-/// The longest reply: a status of [`MOTION_LEN`] bytes, stuffed at worst.
-const LONGEST: usize = 32;
 
 /// Up to `S` servos. All is written by sync write, which nobody answers, whatever the Status Return Level (68).
 ///

@@ -1,12 +1,10 @@
 //! One servo: from commands to goals in counts, from replies to readings.
 
 use super::setup::{Mode, ServoSetup};
+use crate::counts::{most_counts, profile_counts, step_counts};
 use crate::dynamixel::status::{ErrorCode, Status};
 use crate::dynamixel::table::{POSITION, PWM_COUNTS, VELOCITY, address};
-use crate::servo_state::{
-    Reading, ServoState, check_positive, count_range, limited, most_counts, profile_counts,
-    step_counts,
-};
+use crate::servo_state::{Reading, ServoState, check_positive, count_range, limited};
 use crate::table::Unit;
 use crate::{Command, CommandError, Effort, Limit, Plausible, Schedule, SetupError};
 

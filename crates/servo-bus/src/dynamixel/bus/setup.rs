@@ -1,6 +1,6 @@
 //! What servos are on the bus, and how they are read.
 
-use super::{EXTRA_LEN, MOTION_LEN};
+use super::lengths::{EXTRA_LEN, MOTION_LEN};
 use crate::dynamixel::table::Model;
 use crate::{Cost, Traffic};
 

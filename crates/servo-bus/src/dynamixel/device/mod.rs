@@ -2,7 +2,9 @@
 //!
 //! What moves is not here: a simulation writes what sensors see into [`Device::memory`], and reads goals out of it.
 
+mod event;
 mod memory;
+mod reads;
 mod servo;
 mod turn;
 
@@ -13,28 +15,9 @@ use super::parser::Parser;
 use super::status::ErrorCode;
 use super::table::{BAUDS, Table, address};
 use crate::line::BusDevice;
+pub use event::Event;
 pub use memory::Memory;
 use servo::{Answers, Servo};
-
-/// What happened to a device that its simulation may want to know.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Event {
-    /// Items were written.
-    Written {
-        /// First address.
-        address: u16,
-        /// How many bytes.
-        length: u16,
-    },
-    /// It starts anew: torque is off, RAM is as after power-up.
-    Rebooted,
-    /// It is as it left the factory, and starts anew.
-    FactoryReset,
-    /// It forgot full turns: its position is within one now.
-    TurnsCleared,
-    /// No instruction came for as long as the bus watchdog allows.
-    WatchdogRanOut,
-}
 
 /// A servo on a line. `N` is the longest packet that it takes or gives.
 ///

@@ -2,8 +2,9 @@
 
 use heapless::{Deque, Vec};
 
+use super::event::Event;
+use super::memory::Memory;
 use super::turn::Turn;
-use super::{Event, Memory};
 use crate::EncodeError;
 use crate::dynamixel::frame::{BROADCAST, MAX_ID, Packet, STATUS};
 use crate::dynamixel::group::{bulk_blocks, sync_blocks};
@@ -162,16 +163,6 @@ impl<const N: usize> Servo<'_, N> {
         self.send(&data, Answers::Ping, Ok(()), self.return_delay_us().saturating_add(slot_us));
     }
 
-    pub(super) fn answer_read(&mut self, address: u16, length: u16, delay_us: u32) {
-        let mut data = [0; READ_LEN];
-        let read = match data.get_mut(..usize::from(length)) {
-            Some(data) => self.memory.read(address, data),
-            None => Err(ErrorCode::DataLength),
-        };
-        let data = data.get(..usize::from(length)).filter(|_| read.is_ok()).unwrap_or_default();
-        self.send(data, Answers::Reads, read, delay_us);
-    }
-
     pub(super) fn reply(&mut self, answers: Answers, done: Result<(), ErrorCode>) {
         self.send(&[], answers, done, self.return_delay_us());
     }
@@ -219,9 +210,6 @@ impl<const N: usize> Servo<'_, N> {
         u32::try_from(self.memory.get(address::RETURN_DELAY)).unwrap_or(0).saturating_mul(2)
     }
 }
-
-/// The most that one read gives: a whole table.
-pub(super) const READ_LEN: usize = 662;
 
 /// Between the answers to a broadcast ping. ROBOTIS's client waits 3 ms for each id: `dynamixel-sdk` 4.1.0.
 const PING_SLOT_US: u32 = 3_000;
