@@ -82,14 +82,14 @@ impl<const N: usize> TorqueController<N> {
     /// [`ControllerError`] if the tree is empty or the method was made for another tree.
     #[expect(clippy::needless_pass_by_value, reason = "a controller has its own rig")]
     pub fn new(tree: Tree<N>, gains: Gains, method: Method<N>) -> Result<Self, ControllerError> {
-        let mut controller = Self::of_nothing();
-        controller.set_up(&tree, gains, method)?;
+        let mut controller = Self::uninit();
+        controller.init(&tree, gains, method)?;
         Ok(controller)
     }
 
-    /// Becomes a new one, in its place; on an error nothing is changed.
+    /// Initializes in place; on an error nothing is changed.
     #[inline(never)]
-    pub(crate) fn set_up(
+    pub(crate) fn init(
         &mut self,
         tree: &Tree<N>,
         gains: Gains,
@@ -124,8 +124,8 @@ impl<const N: usize> TorqueController<N> {
         Ok(())
     }
 
-    /// Creates a controller for an empty tree, which asks for nothing.
-    pub(crate) fn of_nothing() -> Self {
+    /// Creates a controller of no bodies, which asks for nothing, for [`init`](Self::init).
+    pub(crate) fn uninit() -> Self {
         Self {
             tree: Tree::new(),
             gains: Vec::new(),
@@ -881,9 +881,9 @@ impl fmt::Display for ControllerError {
             Self::InertiaCount { expected, found } => {
                 write!(f, "{expected} joints need as many inertias, {found} were given")
             }
-            Self::References(error) => write!(f, "the method is for another tree: {error}"),
-            Self::Aims(error) => write!(f, "the method is for another tree: {error}"),
-            Self::Weights(error) => write!(f, "the method is for another tree: {error}"),
+            Self::References(error) => write!(f, "method and tree do not match: {error}"),
+            Self::Aims(error) => write!(f, "method and tree do not match: {error}"),
+            Self::Weights(error) => write!(f, "method and tree do not match: {error}"),
             Self::Law => f.write_str(
                 "resolved acceleration needs the control law of inverse dynamics: PD alone has no use for accelerations",
             ),

@@ -45,8 +45,8 @@ impl<const N: usize> JointStates<N> {
         Self { states }
     }
 
-    /// Of no joints.
-    pub(crate) fn of_nothing() -> Self {
+    /// Creates states of no joints.
+    pub(crate) fn uninit() -> Self {
         Self { states: Vec::new() }
     }
 

@@ -61,8 +61,8 @@ impl<const N: usize> JointTargets<N> {
         Self { states, accelerations, bodies, known: Known::Nothing }
     }
 
-    /// For no joints.
-    pub(crate) fn of_nothing() -> Self {
+    /// Creates targets of no joints.
+    pub(crate) fn uninit() -> Self {
         let (states, accelerations, bodies) = (Vec::new(), Vec::new(), Vec::new());
         Self { states, accelerations, bodies, known: Known::Nothing }
     }

@@ -185,28 +185,28 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         state: &JointStates<N>,
         delay: usize,
     ) -> Result<Self, ObserverError> {
-        let mut observer = Self::empty();
-        observer.set_up(settings, state, delay)?;
+        let mut observer = Self::uninit();
+        observer.init(settings, state, delay)?;
         Ok(observer)
     }
 
-    /// Of no joints.
+    /// Creates an observer of no joints, for [`init`](Self::init).
     #[inline(never)]
-    pub(crate) fn empty() -> Self {
+    pub(crate) fn uninit() -> Self {
         Self {
             settings: ObserverSettings::NOTHING,
             delay: 0,
-            estimates: JointStates::of_nothing(),
+            estimates: JointStates::uninit(),
             disturbances: [Twist::ZERO; N],
             sent: [[Command::NONE; N]; D],
             any_sent: false,
-            ahead: JointStates::of_nothing(),
+            ahead: JointStates::uninit(),
         }
     }
 
-    /// Becomes a new one, in its place; on an error nothing is changed.
+    /// Initializes in place; on an error nothing is changed.
     #[inline(never)]
-    pub(crate) fn set_up(
+    pub(crate) fn init(
         &mut self,
         settings: ObserverSettings,
         state: &JointStates<N>,

@@ -57,7 +57,7 @@ pub struct TorqueSupply<const N: usize> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 enum Rule {
     /// All are cut by the same factor.
-    Alike,
+    Uniform,
     /// The weighted sum of squares of what is cut is least.
     LeastSquares,
 }
@@ -76,7 +76,7 @@ impl<const N: usize> TorqueSupply<N> {
         }
         let draws = |joint| if matches!(joint, JointKind::Free) { 0.0 } else { 1.0 };
         let yields = fixed::collect(tree.bodies().iter().map(|body| draws(body.joint)));
-        Ok(Self { supply_nm, rule: Rule::Alike, yields })
+        Ok(Self { supply_nm, rule: Rule::Uniform, yields })
     }
 
     /// The same supply, shared so that `Σ aᵢ |τᵢ - τ_wanted,i|²` is least for the weights `aᵢ`: joint i gives up
@@ -147,7 +147,7 @@ impl<const N: usize> TorqueSupply<N> {
             return;
         }
         match self.rule {
-            Rule::Alike => cut(torques, &wanted, &wanted, supply),
+            Rule::Uniform => cut(torques, &wanted, &wanted, supply),
             Rule::LeastSquares => cut(torques, &wanted, &self.yields, supply),
         }
     }
@@ -155,8 +155,8 @@ impl<const N: usize> TorqueSupply<N> {
 
 impl<const N: usize> TorqueSupply<N> {
     /// Cuts as [`Self::share`] does, but only what accelerates the rig: the part of each torque beyond its bias wrench
-    /// ([`TorqueController::bias_wrenches`](crate::TorqueController::bias_wrenches)), of all joints by the same factor whatever the
-    /// weights: `τ = τ_bias + s (τ_wanted - τ_bias)`.
+    /// ([`TorqueController::bias_wrenches`](crate::TorqueController::bias_wrenches)), of all joints by the same factor
+    /// whatever the weights: `τ = τ_bias + s (τ_wanted - τ_bias)`.
     ///
     /// Wrenches that do not draw from the supply (of a free root, and forces) are scaled alike, so every joint gets
     /// the same share of its commanded acceleration. The sum of torques is convex in s: where the straight line

@@ -8,7 +8,7 @@ use sinew_rig::{Description, Mechanism};
 use sinew_show::write::{Motion, Settings as ShowSettings, write};
 use sinew_show::{Joint, Rate};
 
-/// Degrees of dof of the figure: a free root, and ball joints.
+/// Degrees of freedom of the figure: a free root, and ball joints.
 pub const DOFS: usize = 6 + 3 * (BODY_COUNT - 1);
 
 /// Coordinates of the figure: quaternions have four numbers.

@@ -59,7 +59,7 @@ pub(super) struct Desired<const N: usize> {
 impl<const N: usize> Desired<N> {
     /// Creates the desired side of an empty tree.
     #[inline(never)]
-    pub(super) fn empty() -> Self {
+    pub(super) fn uninit() -> Self {
         Self {
             differences: Differences::Forward,
             velocity: DesiredVelocity::Bodies,
@@ -73,14 +73,14 @@ impl<const N: usize> Desired<N> {
             kind: None,
             newest: None,
             known: 0,
-            targets: JointTargets::of_nothing(),
+            targets: JointTargets::uninit(),
             projected: ProjectionWorkspace::new(),
         }
     }
 
-    /// Of a rig, before the beginning.
+    /// Initializes in place for a rig, before the first frame.
     #[inline(never)]
-    pub(super) fn set_up(
+    pub(super) fn init(
         &mut self,
         tree: &Tree<N>,
         dt_s: f32,

@@ -28,22 +28,22 @@ pub(super) struct Estimate<const N: usize, const D: usize> {
 }
 
 impl<const N: usize, const D: usize> Estimate<N, D> {
-    /// Creates an estimator for an empty tree.
-    pub(super) fn empty() -> Self {
+    /// Creates an estimate of no bodies, for [`init`](Self::init).
+    pub(super) fn uninit() -> Self {
         Self {
             dt_s: 0.0,
-            differenced: JointStates::of_nothing(),
+            differenced: JointStates::uninit(),
             age_ticks: 0,
-            observer: Observer::empty(),
+            observer: Observer::uninit(),
             observes: false,
             observing: false,
             cancel: false,
         }
     }
 
-    /// Of a rig, before any reading; on an error nothing is changed.
+    /// Initializes in place for a rig, before any reading; on an error nothing is changed.
     #[inline(never)]
-    pub(super) fn set_up(
+    pub(super) fn init(
         &mut self,
         tree: &Tree<N>,
         dt_s: f32,
@@ -53,7 +53,7 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
     ) -> Result<(), ObserverError> {
         let differenced = JointStates::rest(tree);
         if let Some(settings) = settings {
-            self.observer.set_up(settings, &differenced, latency_ticks)?;
+            self.observer.init(settings, &differenced, latency_ticks)?;
         }
         self.observes = settings.is_some();
         (self.dt_s, self.cancel) = (dt_s, cancel);

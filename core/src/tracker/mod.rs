@@ -119,31 +119,31 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         timing: Timing,
         workspace: Workspace<N, R>,
     ) -> Result<Self, TrackerError> {
-        let mut tracker = Self { workspace, ..Self::empty() };
-        tracker.set_up(&tree, settings, timing)?;
+        let mut tracker = Self { workspace, ..Self::uninit() };
+        tracker.init(&tree, settings, timing)?;
         Ok(tracker)
     }
 
-    /// A tracker of no bodies, which asks for nothing, to be [set up](Self::set_up) where it lies. It is large: made
-    /// elsewhere, it would take its size of stack for each move.
+    /// Creates a tracker of no bodies, which asks for nothing, for [`init`](Self::init) to fill in place. The value is
+    /// large: each move would take its size of stack.
     #[inline(never)]
-    pub fn empty() -> Self {
+    pub fn uninit() -> Self {
         Self {
-            controller: TorqueController::of_nothing(),
-            desired: Desired::empty(),
-            estimate: Estimate::empty(),
+            controller: TorqueController::uninit(),
+            desired: Desired::uninit(),
+            estimate: Estimate::uninit(),
             supply: None,
-            sharing: Sharing::Alike,
+            sharing: Sharing::Uniform,
             workspace: Workspace::with_room(),
         }
     }
 
-    /// Becomes what [`Tracker::new`] gives, in its place.
+    /// Initializes in place: the result is that of [`Tracker::new`].
     ///
     /// # Errors
-    /// As [`Tracker::new`]: it must be set up anew then.
+    /// As [`Tracker::new`]: it must be initialized again then.
     #[inline(never)]
-    pub fn set_up(
+    pub fn init(
         &mut self,
         tree: &Tree<N>,
         settings: &Settings,
@@ -162,8 +162,8 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         let differences = (effective.differences, effective.desired_velocity);
         let projection = effective.projection(tree)?;
         let (observer, cancel) = (effective.observer(dt_s)?, effective.observer.cancel);
-        self.estimate.set_up(tree, dt_s, observer, cancel, latency_ticks)?;
-        self.desired.set_up(tree, dt_s, ahead, differences, projection);
+        self.estimate.init(tree, dt_s, observer, cancel, latency_ticks)?;
+        self.desired.init(tree, dt_s, ahead, differences, projection);
         (self.supply, self.sharing) = (None, effective.sharing);
         Ok(())
     }

@@ -181,7 +181,8 @@ pub enum DesiredVelocity {
 )]
 pub enum Sharing {
     /// All torques are cut by the same factor.
-    Alike,
+    #[cfg_attr(feature = "serde", serde(rename = "alike"))]
+    Uniform,
     /// What is cut is least in squares, by the motion of the skin that it makes: the weights of the
     /// [`TorqueSupply`](crate::supply::TorqueSupply).
     Importance,

@@ -96,7 +96,7 @@ impl<B: Default> Default for Settings<B> {
             differences: Differences::Forward,
             desired_velocity: DesiredVelocity::Bodies,
             law: ControlLaw::InverseDynamics,
-            sharing: Sharing::Alike,
+            sharing: Sharing::Uniform,
             gains: GainsName::Uniform,
             kp: 200.0,
             implicit: false,
@@ -244,41 +244,24 @@ impl<B: Default + Clone> Settings<B> {
         }
     }
 
-    /// The same with the reference body named in another way.
+    /// Returns the same settings with the reference body named in another way.
     pub fn named<C: Default>(self, name: impl FnOnce(B) -> C) -> Settings<C> {
-        let Self {
-            method,
-            reference,
-            beta,
-            rate_term,
-            aim,
-            projection,
-            resolved,
-            observer,
-            differences,
-            desired_velocity,
-            law,
-            sharing,
-            gains,
-            kp,
-            implicit,
-        } = self;
         Settings {
-            method,
-            reference: name(reference),
-            beta,
-            rate_term,
-            aim,
-            projection,
-            resolved,
-            observer,
-            differences,
-            desired_velocity,
-            law,
-            sharing,
-            gains,
-            kp,
-            implicit,
+            method: self.method,
+            reference: name(self.reference),
+            beta: self.beta,
+            rate_term: self.rate_term,
+            aim: self.aim,
+            projection: self.projection,
+            resolved: self.resolved,
+            observer: self.observer,
+            differences: self.differences,
+            desired_velocity: self.desired_velocity,
+            law: self.law,
+            sharing: self.sharing,
+            gains: self.gains,
+            kp: self.kp,
+            implicit: self.implicit,
         }
     }
 
@@ -357,7 +340,7 @@ impl Settings {
         tree: Tree<N>,
         dt_s: f32,
     ) -> Result<TorqueController<N>, TrackerError> {
-        let mut controller = TorqueController::of_nothing();
+        let mut controller = TorqueController::uninit();
         self.set_controller(&mut controller, &tree, dt_s)?;
         Ok(controller)
     }
@@ -382,7 +365,7 @@ impl Settings {
         let inertias = outer.map(|outer| reflected_inertia(tree, &JointStates::rest(tree), outer));
         let gains = Gains::critically_damped(settings.kp)?;
         let gains = if settings.implicit { gains.implicit(dt_s)? } else { gains };
-        controller.set_up(tree, gains, method)?;
+        controller.init(tree, gains, method)?;
         match inertias {
             Some(inertias) => controller.set_pd_of_inertia(&inertias)?,
             None => controller.set_law(settings.law)?,

@@ -367,7 +367,7 @@ fn what_fits_no_tree_is_refused_and_what_fits_another_by_the_controller() {
     // A chain, which the tree is not.
     controller["method"] = serde_json::json!({"accumulated": [null, 0, 1, 2, 3, 4]});
     let message = refused::<TorqueController<8>>(&controller.to_string());
-    assert!(message.contains("another tree") && message.contains("joint 2"), "{message}");
+    assert!(message.contains("do not match") && message.contains("joint 2"), "{message}");
     controller["method"] = "world".into();
     controller["gains"].as_array_mut().unwrap().pop();
     let message = refused::<TorqueController<8>>(&controller.to_string());

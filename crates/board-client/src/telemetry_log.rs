@@ -1,6 +1,6 @@
 //! What a controller has told unasked.
 
-use sinew_link::message::{Dof, FaultRecord, Part, Servo, Summary, Telemetry};
+use sinew_link::message::{Dof, FaultRecord, Servo, SnapshotPart, Summary, Telemetry};
 
 /// A pose as it was measured.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,18 +43,18 @@ impl Seen {
         }
         (self.next, self.tick) = (Some(seq.wrapping_add(1)), tick);
         match part {
-            Part::Summary(summary) => {
+            SnapshotPart::Summary(summary) => {
                 self.summary = Some(summary);
                 self.summaries += 1;
             }
-            Part::Pose { first, q } => {
+            SnapshotPart::Pose { first, q } => {
                 if let Some(poses) = &mut self.poses {
                     keep(poses, tick, first, &q);
                 }
                 put(&mut self.q, first, &q);
             }
-            Part::Dofs { first, dofs } => put(&mut self.dofs, first, &dofs),
-            Part::Servos { first, servos } => put(&mut self.servos, first, &servos),
+            SnapshotPart::Dofs { first, dofs } => put(&mut self.dofs, first, &dofs),
+            SnapshotPart::Servos { first, servos } => put(&mut self.servos, first, &servos),
         }
     }
 }

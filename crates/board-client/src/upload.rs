@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use sha2::{Digest as _, Sha256};
-use sinew_link::message::{Applied, BLOCK_MAX, Block, Command, Item, Kind, Place, Refusal};
+use sinew_link::message::{Applied, BLOCK_MAX, Block, Command, Item, Kind, Location, Refusal};
 
 use crate::{Board, ClientError, Line};
 
@@ -70,7 +70,7 @@ impl<L: Line> Board<L> {
             return Ok(());
         }
         self.reconnect(RESTART)?;
-        let place = if item.kind == Kind::Rig { Place::Rig } else { Place::Settings };
+        let place = if item.kind == Kind::Rig { Location::Rig } else { Location::Settings };
         let is_there = self.stored(place)?.is_some_and(|stored| stored.hash == item.hash);
         if is_there { Ok(()) } else { Err(ClientError::Refused(Refusal::Memory)) }
     }
@@ -79,7 +79,7 @@ impl<L: Line> Board<L> {
     ///
     /// # Errors
     /// As of [`Self::ask`].
-    pub fn stored(&mut self, place: Place) -> Result<Option<Item>, ClientError> {
+    pub fn stored(&mut self, place: Location) -> Result<Option<Item>, ClientError> {
         match self.ask(Command::AskStored(place))? {
             Applied::Stored(item) => Ok(item),
             _ => Err(ClientError::Unexpected("what is stored")),
@@ -91,7 +91,9 @@ impl<L: Line> Board<L> {
     /// # Errors
     /// As of [`Self::ask`].
     pub fn shows(&mut self) -> Result<Vec<Option<Item>>, ClientError> {
-        (0..self.about().capacities.slots).map(|slot| self.stored(Place::Show { slot })).collect()
+        (0..self.about().capacities.slots)
+            .map(|slot| self.stored(Location::Show { slot }))
+            .collect()
     }
 
     /// The slot of a show of this rig with this content.

@@ -20,7 +20,7 @@ pub(super) fn supply(
 ) -> Result<TorqueSupply<CAPACITY>, RunError> {
     let supply = TorqueSupply::new(tree, narrow(setup.disturbance.supply_nm))?;
     Ok(match setup.controller.sharing {
-        Sharing::Alike | Sharing::Accelerations => supply,
+        Sharing::Uniform | Sharing::Accelerations => supply,
         Sharing::Importance => supply.with_weights(&weights(tree, rig.levers().as_slice_m()))?,
     })
 }

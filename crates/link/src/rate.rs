@@ -31,7 +31,7 @@ const SERVO: usize = 7;
 pub struct RigSize {
     /// Numbers of its pose.
     pub coordinates: usize,
-    /// Degrees of dof.
+    /// Degrees of freedom.
     pub dofs: usize,
     /// Servos.
     pub servos: usize,

@@ -59,7 +59,7 @@ pub(crate) fn patient_us(time_us: u32, left_us: u32) -> u32 {
 #[derive(Debug, Clone)]
 pub(crate) struct Comparison {
     pub(crate) servo: usize,
-    pub(crate) demand: ServoRequirements,
+    pub(crate) requirements: ServoRequirements,
     pub(crate) result: Compared,
     /// All below this address are as they must be.
     from: u16,
@@ -68,8 +68,8 @@ pub(crate) struct Comparison {
 }
 
 impl Comparison {
-    pub(crate) fn new(servo: usize, demand: ServoRequirements) -> Self {
-        Self { servo, demand, result: Compared::Reading, from: 0, suspect: None }
+    pub(crate) fn new(servo: usize, requirements: ServoRequirements) -> Self {
+        Self { servo, requirements, result: Compared::Reading, from: 0, suspect: None }
     }
 
     /// Address and length of the next read; none if there is nothing left to read.

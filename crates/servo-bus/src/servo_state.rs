@@ -62,28 +62,28 @@ impl ServoState {
 }
 
 /// The servos of a bus by what they are set up as: ids up to `most_id`, each once.
-pub(crate) fn servos_of<Setup: Copy, Servo, const S: usize>(
+pub(crate) fn servos_of<Setup: Copy, Servo, const SERVOS: usize>(
     setups: &[Setup],
     id_of: impl Fn(&Setup) -> u8,
     most_id: u8,
     servo_of: impl Fn(Setup) -> Result<Servo, SetupError>,
-) -> Result<Vec<Servo, S>, SetupError> {
+) -> Result<Vec<Servo, SERVOS>, SetupError> {
     let mut servos = Vec::new();
     each_servo(setups, id_of, most_id, |setup| {
-        servos.push(servo_of(setup)?).map_err(|_| SetupError::Capacity { holds: S })
+        servos.push(servo_of(setup)?).map_err(|_| SetupError::Capacity { holds: SERVOS })
     })?;
     Ok(servos)
 }
 
 /// That [`servos_of`] makes servos of them, without room for all of them at once.
-pub(crate) fn check_servos<Setup: Copy, Servo, const S: usize>(
+pub(crate) fn check_servos<Setup: Copy, Servo, const SERVOS: usize>(
     setups: &[Setup],
     id_of: impl Fn(&Setup) -> u8,
     most_id: u8,
     servo_of: impl Fn(Setup) -> Result<Servo, SetupError>,
 ) -> Result<(), SetupError> {
     each_servo(setups, id_of, most_id, |setup| servo_of(setup).map(drop))?;
-    if setups.len() > S { Err(SetupError::Capacity { holds: S }) } else { Ok(()) }
+    if setups.len() > SERVOS { Err(SetupError::Capacity { holds: SERVOS }) } else { Ok(()) }
 }
 
 fn each_servo<Setup: Copy>(

@@ -178,59 +178,61 @@ const fn feetech_items<const N: usize>(
 /// What neither rig nor kind says is as the factory sets it. Id, baud and homing offset are left alone.
 pub fn dynamixel(
     table: dynamixel_servos::table::Table,
-    demand: ServoRequirements,
+    requirements: ServoRequirements,
 ) -> impl Iterator<Item = Setting> + Clone {
-    dynamixel_of(table, demand, false)
+    dynamixel_of(table, requirements, false)
 }
 
 /// The same, and what it holds besides before it is armed: torque off, and its watchdog set.
 pub(crate) fn dynamixel_limp(
     table: dynamixel_servos::table::Table,
-    demand: ServoRequirements,
+    requirements: ServoRequirements,
 ) -> impl Iterator<Item = Setting> + Clone {
-    dynamixel_of(table, demand, true)
+    dynamixel_of(table, requirements, true)
 }
 
 fn dynamixel_of(
     table: dynamixel_servos::table::Table,
-    demand: ServoRequirements,
+    requirements: ServoRequirements,
     is_limp: bool,
 ) -> impl Iterator<Item = Setting> + Clone {
-    let mode = match demand.mode {
+    let mode = match requirements.mode {
         Mode::Current => 0,
         Mode::Position => 3,
         Mode::CurrentPosition => 5,
         Mode::Pwm => 16,
     };
     // A servo that measures current is limited there.
-    let share = if table.model.current.is_some() { 1.0 } else { demand.share() };
+    let share = if table.model.current.is_some() { 1.0 } else { requirements.share() };
     DYNAMIXEL_ITEMS.iter().filter(move |(_, _, must)| must.counts(is_limp)).filter_map(
-        move |(only, item, must)| Some(demand.setting(table.own(*only, item)?, *must, mode, share)),
+        move |(only, item, must)| {
+            Some(requirements.setting(table.own(*only, item)?, *must, mode, share))
+        },
     )
 }
 
 /// What a Feetech must hold, by address, as [`dynamixel`] has it.
 pub fn feetech(
     family: feetech_servos::Family,
-    demand: ServoRequirements,
+    requirements: ServoRequirements,
 ) -> impl Iterator<Item = Setting> + Clone {
-    feetech_of(family, demand, false)
+    feetech_of(family, requirements, false)
 }
 
 /// The same, and torque off, which it must be before it is armed.
 pub(crate) fn feetech_limp(
     family: feetech_servos::Family,
-    demand: ServoRequirements,
+    requirements: ServoRequirements,
 ) -> impl Iterator<Item = Setting> + Clone {
-    feetech_of(family, demand, true)
+    feetech_of(family, requirements, true)
 }
 
 fn feetech_of(
     family: feetech_servos::Family,
-    demand: ServoRequirements,
+    requirements: ServoRequirements,
     is_limp: bool,
 ) -> impl Iterator<Item = Setting> + Clone {
-    let mode = match demand.mode {
+    let mode = match requirements.mode {
         Mode::Position => 0,
         Mode::Pwm => 2,
         Mode::CurrentPosition | Mode::Current => NO_MODE,
@@ -242,7 +244,7 @@ fn feetech_of(
     items
         .iter()
         .filter(move |(_, must)| must.counts(is_limp))
-        .map(move |(item, must)| demand.setting(*item, *must, mode, demand.share()))
+        .map(move |(item, must)| requirements.setting(*item, *must, mode, requirements.share()))
 }
 
 impl RequiredValue {

@@ -27,7 +27,7 @@ pub fn desired(rig: &RigServo, table: &Table, mode: Mode) -> Result<Vec<Setting>
     let model = &rig.model;
     let half_rad = 0.5 * model.range_rad.value;
     let middle_rad = single(f64::from(table.counts() / 2) * table.rad_per_count());
-    let demand = ServoRequirements {
+    let requirements = ServoRequirements {
         mode,
         range_rad: rig
             .range_rad
@@ -42,8 +42,8 @@ pub fn desired(rig: &RigServo, table: &Table, mode: Mode) -> Result<Vec<Setting>
         shutdown_c: single(model.shutdown_c.value),
     };
     Ok(match table {
-        Table::Dynamixel(table) => settings::dynamixel(*table, demand).collect(),
-        Table::Feetech(table) => settings::feetech(table.model.family, demand).collect(),
+        Table::Dynamixel(table) => settings::dynamixel(*table, requirements).collect(),
+        Table::Feetech(table) => settings::feetech(table.model.family, requirements).collect(),
     })
 }
 

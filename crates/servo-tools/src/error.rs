@@ -200,7 +200,7 @@ pub enum Registers {
     #[error("{0} can only be read")]
     ReadOnly(&'static str),
     /// It is written by a command of its own, or not at all.
-    #[error("{name} is not written like this: {instead}")]
+    #[error("{name} cannot be written directly; use {instead}")]
     Elsewhere {
         /// The register.
         name: &'static str,

@@ -1,6 +1,7 @@
 //! A line that servos hang on.
 
 use std::io;
+use std::ops::DerefMut;
 use std::time::Duration;
 
 /// A half-duplex line: bytes out, and what comes back. A serial port is one, a simulated line is another, and a board
@@ -28,26 +29,11 @@ pub trait Exchange {
     fn pause(&mut self, time: Duration);
 }
 
-impl<E: Exchange + ?Sized> Exchange for Box<E> {
-    fn exchange(
-        &mut self,
-        bytes: &[u8],
-        wait: Duration,
-        take: &mut dyn FnMut(&[u8]) -> bool,
-    ) -> io::Result<()> {
-        (**self).exchange(bytes, wait, take)
-    }
-
-    fn set_baud(&mut self, baud: u32) -> io::Result<()> {
-        (**self).set_baud(baud)
-    }
-
-    fn pause(&mut self, time: Duration) {
-        (**self).pause(time);
-    }
-}
-
-impl<E: Exchange + ?Sized> Exchange for &mut E {
+// A box or a mutable borrow of a line is a line.
+impl<P: DerefMut> Exchange for P
+where
+    P::Target: Exchange,
+{
     fn exchange(
         &mut self,
         bytes: &[u8],

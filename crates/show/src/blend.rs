@@ -30,16 +30,16 @@ const LOOKS: u16 = 64;
 const SHORTEST_SQUARED: f32 = 0.04;
 
 /// A motion from one state to another: quintic in each channel, so that position, speed and acceleration go on at both
-/// ends. Of at most `C` coordinates.
+/// ends. Of at most `COORDS` coordinates.
 #[derive(Debug, Clone)]
-pub struct Blend<'a, const C: usize> {
+pub struct Blend<'a, const COORDS: usize> {
     show: Show<'a>,
     duration_s: f32,
     /// By powers of the share of the time that has gone, and of that which is left: each end is met to the last bits.
-    powers: [[[f32; 6]; 2]; C],
+    powers: [[[f32; 6]; 2]; COORDS],
 }
 
-impl<'a, const C: usize> Blend<'a, C> {
+impl<'a, const COORDS: usize> Blend<'a, COORDS> {
     /// A blend of a show's rig from one state to another. Into a show: `to` is the show's state where it begins, and
     /// the show plays on from there when the blend is over. A ball joint goes the shorter way round. O(nq).
     ///
@@ -68,13 +68,13 @@ impl<'a, const C: usize> Blend<'a, C> {
                 }
             }
         }
-        if nq > C {
-            return Err(BlendError::Capacity { found: nq, holds: C });
+        if nq > COORDS {
+            return Err(BlendError::Capacity { found: nq, holds: COORDS });
         }
         if !(SHORTEST_S..=LONGEST_S).contains(&duration_s) {
             return Err(BlendError::Duration { found: duration_s });
         }
-        let (mut begin, mut end) = ([Jet::default(); C], [Jet::default(); C]);
+        let (mut begin, mut end) = ([Jet::default(); COORDS], [Jet::default(); COORDS]);
         let (mut at, mut v_at) = (0usize, 0usize);
         for joint in show.joints() {
             let (count, dofs) = (joint.coordinate_count(), joint.dof_count());
@@ -107,7 +107,7 @@ impl<'a, const C: usize> Blend<'a, C> {
             }
             (at, v_at) = (next, v_next);
         }
-        let mut powers = [[[0.0; 6]; 2]; C];
+        let mut powers = [[[0.0; 6]; 2]; COORDS];
         for ((powers, begin), end) in powers.iter_mut().zip(&begin).zip(&end) {
             let back = |[p, v, a]: Jet| [p, -v, a];
             let backwards = quintic(back(*end), back(*begin), duration_s);

@@ -7,29 +7,29 @@ use crate::player::Player;
 use crate::position::{Pace, Position};
 use crate::show::Show;
 
-/// The frames of a show of at most `C` coordinates, one a tick.
+/// The frames of a show of at most `COORDS` coordinates, one a tick.
 ///
 /// Before the first frame and behind the last one of a show without a loop, the rig rests in that frame: speeds and
 /// accelerations are zero there. A show that does not begin at rest is entered by a [run-in](Self::run_in), or from
 /// elsewhere by a [`Blend`](crate::Blend).
 #[derive(Debug, Clone)]
-pub struct ShowFrames<'a, const C: usize> {
-    player: Player<'a, C>,
+pub struct ShowFrames<'a, const COORDS: usize> {
+    player: Player<'a, COORDS>,
     pace: Pace,
     dt_s: f32,
     dofs: usize,
-    q: [f32; C],
-    qd: [f32; C],
-    qdd: [f32; C],
+    q: [f32; COORDS],
+    qd: [f32; COORDS],
+    qdd: [f32; COORDS],
     fault: Option<ShowError>,
 }
 
-impl<'a, const C: usize> ShowFrames<'a, C> {
+impl<'a, const COORDS: usize> ShowFrames<'a, COORDS> {
     /// The frames of a show, `dt_s` apart. O(size): all blocks are checked here, once, so that playing does not meet
     /// one that was damaged before.
     ///
     /// # Errors
-    /// [`ShowError`] if a block is damaged, or the show has more than `C` coordinates.
+    /// [`ShowError`] if a block is damaged, or the show has more than `COORDS` coordinates.
     pub fn new(show: Show<'a>, dt_s: f32) -> Result<Self, ShowError> {
         show.check_blocks()?;
         let mut frames = Self {
@@ -37,9 +37,9 @@ impl<'a, const C: usize> ShowFrames<'a, C> {
             pace: show.pace(dt_s),
             dt_s,
             dofs: show.dof_count(),
-            q: [0.0; C],
-            qd: [0.0; C],
-            qdd: [0.0; C],
+            q: [0.0; COORDS],
+            qd: [0.0; COORDS],
+            qdd: [0.0; COORDS],
             fault: None,
         };
         frames.read(Position::default());
@@ -91,7 +91,7 @@ impl<'a, const C: usize> ShowFrames<'a, C> {
     }
 
     fn rest(&mut self) {
-        (self.qd, self.qdd) = ([0.0; C], [0.0; C]);
+        (self.qd, self.qdd) = ([0.0; COORDS], [0.0; COORDS]);
     }
 
     /// What was read at a position; the rig rests where the show has ended, or cannot be read.
@@ -110,7 +110,7 @@ impl<'a, const C: usize> ShowFrames<'a, C> {
     }
 }
 
-impl<const C: usize> FrameSource for ShowFrames<'_, C> {
+impl<const COORDS: usize> FrameSource for ShowFrames<'_, COORDS> {
     fn frame(&mut self, index: i32) -> Frame<'_> {
         let position = self.position(index);
         self.read(position);

@@ -6,27 +6,27 @@ use crate::error::ShowError;
 use crate::position::Position;
 use crate::show::Show;
 
-/// Plays a show of at most `C` channels, forwards at little cost, or from anywhere.
+/// Plays a show of at most `COORDS` channels, forwards at little cost, or from anywhere.
 ///
 /// It keeps about 100 bytes for each channel.
 #[derive(Debug, Clone)]
-pub struct Player<'a, const C: usize> {
+pub struct Player<'a, const COORDS: usize> {
     show: Show<'a>,
-    channels: [Channel; C],
+    channels: [Channel; COORDS],
     checked: Checked,
 }
 
-impl<'a, const C: usize> Player<'a, C> {
+impl<'a, const COORDS: usize> Player<'a, COORDS> {
     /// A player of a show.
     ///
     /// # Errors
-    /// [`ShowError::Capacity`] if the show has more than `C` channels.
+    /// [`ShowError::Capacity`] if the show has more than `COORDS` channels.
     pub fn new(show: Show<'a>) -> Result<Self, ShowError> {
         let found = show.channel_count();
-        if found > C {
-            return Err(ShowError::Capacity { found, holds: C });
+        if found > COORDS {
+            return Err(ShowError::Capacity { found, holds: COORDS });
         }
-        Ok(Self { show, channels: [Channel::default(); C], checked: Checked::NONE })
+        Ok(Self { show, channels: [Channel::default(); COORDS], checked: Checked::NONE })
     }
 
     /// The show.

@@ -24,7 +24,7 @@ pub struct BoardTable {
 pub struct Capacity {
     /// Bodies.
     pub bodies: u16,
-    /// Degrees of dof.
+    /// Degrees of freedom.
     pub dofs: u16,
     /// Servos.
     pub servos: u16,

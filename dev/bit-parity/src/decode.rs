@@ -14,12 +14,12 @@
 
 use sinew_show::{Player, Show};
 
-/// Decodes a show of at most `C` coordinates: `read` fills its slice with the request's next bytes, `write` takes the
-/// answer's next. The show is kept in `buffer`.
+/// Decodes a show of at most `COORDS` coordinates: `read` fills its slice with the request's next bytes, `write` takes
+/// the answer's next. The show is kept in `buffer`.
 ///
 /// # Errors
 /// What `read` and `write` return, or what is wrong with the request.
-pub fn perform<const C: usize>(
+pub fn perform<const COORDS: usize>(
     buffer: &mut [u8],
     mut read: impl FnMut(&mut [u8]) -> Result<(), &'static str>,
     mut write: impl FnMut(&[u8]) -> Result<(), &'static str>,
@@ -34,10 +34,11 @@ pub fn perform<const C: usize>(
     let show = buffer.get_mut(..length).ok_or("the show is longer than the buffer")?;
     read(show)?;
     let show = Show::open(show).map_err(|_| "the show is not valid")?;
-    let mut player = Player::<C>::new(show).map_err(|_| "the show has too many coordinates")?;
+    let mut player =
+        Player::<COORDS>::new(show).map_err(|_| "the show has too many coordinates")?;
     let (nq, nv) = (show.channel_count(), show.dof_count());
     let pace = show.pace(1.0 / rate_hz.max(1) as f32);
-    let [mut q, mut qd, mut qdd] = [[0.0; C]; 3];
+    let [mut q, mut qd, mut qdd] = [[0.0; COORDS]; 3];
     let (mut tick, mut hash) = (0, NOTHING);
     loop {
         let position = pace.position(tick);

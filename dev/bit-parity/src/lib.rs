@@ -21,12 +21,12 @@ pub const DECODE: u32 = 1;
 /// The first word of a request to [`play`].
 pub const PLAY: u32 = 2;
 
-/// Answers a request: its first word says which; what follows, and the answer, say the modules. Of rigs of at most `N`
-/// bodies and `V` degrees of freedom, of shows of at most `C` coordinates.
+/// Answers a request: its first word says which; what follows, and the answer, say the modules. Of rigs of at most
+/// `BODIES` bodies and `DOFS` degrees of freedom, of shows of at most `COORDS` coordinates.
 ///
 /// # Errors
 /// What `read` and `write` return, or what is wrong with the request.
-pub fn answer<const N: usize, const V: usize, const C: usize>(
+pub fn answer<const BODIES: usize, const DOFS: usize, const COORDS: usize>(
     buffer: &mut [u8],
     mut read: impl FnMut(&mut [u8]) -> Result<(), &'static str>,
     write: impl FnMut(&[u8]) -> Result<(), &'static str>,
@@ -34,9 +34,9 @@ pub fn answer<const N: usize, const V: usize, const C: usize>(
     let mut word = [0; 4];
     read(&mut word)?;
     match u32::from_le_bytes(word) {
-        RUN => run::perform::<N, V>(buffer, read, write),
-        DECODE => decode::perform::<C>(buffer, read, write),
-        PLAY => play::perform::<N, V, C>(buffer, read, write),
+        RUN => run::perform::<BODIES, DOFS>(buffer, read, write),
+        DECODE => decode::perform::<COORDS>(buffer, read, write),
+        PLAY => play::perform::<BODIES, DOFS, COORDS>(buffer, read, write),
         _ => Err("no run, and no show to decode or to play, is asked for"),
     }
 }

@@ -17,12 +17,13 @@ use sinew_show::Show;
 
 use crate::replay::{METHODS, hash, tree};
 
-/// Performs a show of at most `C` coordinates, of a rig of at most `N` bodies and `V` degrees of freedom: `read` fills
-/// its slice with the request's next bytes, `write` takes the answer's next. Rig and show are kept in `buffer`.
+/// Performs a show of at most `COORDS` coordinates, of a rig of at most `BODIES` bodies and `DOFS` degrees of freedom:
+/// `read` fills its slice with the request's next bytes, `write` takes the answer's next. Rig and show are kept in
+/// `buffer`.
 ///
 /// # Errors
 /// What `read` and `write` return, or what is wrong with the request.
-pub fn perform<const N: usize, const V: usize, const C: usize>(
+pub fn perform<const BODIES: usize, const DOFS: usize, const COORDS: usize>(
     buffer: &mut [u8],
     mut read: impl FnMut(&mut [u8]) -> Result<(), &'static str>,
     mut write: impl FnMut(&[u8]) -> Result<(), &'static str>,
@@ -36,12 +37,12 @@ pub fn perform<const N: usize, const V: usize, const C: usize>(
     let length = |bytes: u32| usize::try_from(bytes).map_err(|_| "a length is too large");
     let rig = buffer.get_mut(..length(rig_len)?).ok_or("the rig is longer than the buffer")?;
     read(rig)?;
-    let tree = tree::<N, V>(rig).map_err(|_| "the rig is not usable")?;
+    let tree = tree::<BODIES, DOFS>(rig).map_err(|_| "the rig is not usable")?;
     let show = buffer.get_mut(..length(show_len)?).ok_or("the show is longer than the buffer")?;
     read(show)?;
     let show = Show::open(show).map_err(|_| "the show is not valid")?;
     for method in METHODS {
-        let hash = hash::<N, C>(&tree, show, method, ticks);
+        let hash = hash::<BODIES, COORDS>(&tree, show, method, ticks);
         let hash = hash.map_err(|_| "the show cannot be performed by the rig")?;
         write(&hash.to_le_bytes())?;
     }

@@ -28,12 +28,14 @@ pub fn settings(method: MethodName) -> Settings {
     Settings { method, ..Settings::default() }
 }
 
-/// Reads a rig of at most `N` bodies and `V` degrees of freedom, without servos, from its compact form.
+/// Reads a rig of at most `BODIES` bodies and `DOFS` degrees of freedom, without servos, from its compact form.
 ///
 /// # Errors
 /// [`BoardRigError`] if the bytes are none.
-pub fn tree<const N: usize, const V: usize>(rig: &[u8]) -> Result<Tree<N>, BoardRigError> {
-    BoardRig::<N, V, SERVOS>::decode(rig).map(|rig| rig.tree().clone())
+pub fn tree<const BODIES: usize, const DOFS: usize>(
+    rig: &[u8],
+) -> Result<Tree<BODIES>, BoardRigError> {
+    BoardRig::<BODIES, DOFS, SERVOS>::decode(rig).map(|rig| rig.tree().clone())
 }
 
 /// A rig that performs a show, one tick for each of its samples, whose torques count as not late at all.
@@ -71,21 +73,25 @@ pub fn tree<const N: usize, const V: usize>(rig: &[u8]) -> Result<Tree<N>, Board
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
-pub struct Replay<'a, const N: usize, const C: usize> {
-    tracker: Tracker<N>,
-    frames: ShowFrames<'a, C>,
+pub struct Replay<'a, const BODIES: usize, const COORDS: usize> {
+    tracker: Tracker<BODIES>,
+    frames: ShowFrames<'a, COORDS>,
     /// The same show for the sensors: a player is quick from tick to tick, and not to and fro.
-    late: ShowFrames<'a, C>,
-    measured: [f32; C],
+    late: ShowFrames<'a, COORDS>,
+    measured: [f32; COORDS],
     coordinates: usize,
 }
 
-impl<'a, const N: usize, const C: usize> Replay<'a, N, C> {
-    /// A run from the show's first frame, where the stand-in is at rest. The show has at most `C` coordinates.
+impl<'a, const BODIES: usize, const COORDS: usize> Replay<'a, BODIES, COORDS> {
+    /// A run from the show's first frame, where the stand-in is at rest. The show has at most `COORDS` coordinates.
     ///
     /// # Errors
     /// [`ReplayError`] if the show is not one of the rig or damaged, or the method does not go with the rig.
-    pub fn new(tree: &Tree<N>, show: Show<'a>, method: MethodName) -> Result<Self, ReplayError> {
+    pub fn new(
+        tree: &Tree<BODIES>,
+        show: Show<'a>,
+        method: MethodName,
+    ) -> Result<Self, ReplayError> {
         let kinds = tree.bodies().iter().map(|body| body.joint);
         show.check_joints(kinds).map_err(ReplayError::Show)?;
         let dt_s = show.rate().hz().recip();
@@ -93,7 +99,7 @@ impl<'a, const N: usize, const C: usize> Replay<'a, N, C> {
         let tracker =
             Tracker::new(tree.clone(), &settings(method), timing).map_err(ReplayError::Tracker)?;
         let frames = ShowFrames::new(show, dt_s).map_err(ReplayError::Show)?;
-        let (late, measured, coordinates) = (frames.clone(), [0.0; C], show.channel_count());
+        let (late, measured, coordinates) = (frames.clone(), [0.0; COORDS], show.channel_count());
         let mut run = Self { tracker, frames, late, measured, coordinates };
         run.sense(0);
         let measured =
@@ -119,7 +125,7 @@ impl<'a, const N: usize, const C: usize> Replay<'a, N, C> {
     ///
     /// # Errors
     /// [`StepError`] if the show asks for more than a tracker takes: as [`Tracker::step`].
-    pub fn step(&mut self, tick: u32) -> Result<Tick<'_, N>, StepError> {
+    pub fn step(&mut self, tick: u32) -> Result<Tick<'_, BODIES>, StepError> {
         let q = self.measured.get(..self.coordinates).unwrap_or_default();
         let tick = i32::try_from(tick).unwrap_or(i32::MAX);
         self.tracker.step(&mut self.frames, tick, Measured::Positions { q })
@@ -135,13 +141,13 @@ pub fn ticks(show: &Show<'_>) -> u32 {
 ///
 /// # Errors
 /// [`ReplayError`] if there is no such run.
-pub fn hash<const N: usize, const C: usize>(
-    tree: &Tree<N>,
+pub fn hash<const BODIES: usize, const COORDS: usize>(
+    tree: &Tree<BODIES>,
     show: Show<'_>,
     method: MethodName,
     ticks: u32,
 ) -> Result<u64, ReplayError> {
-    let mut replay = Replay::<N, C>::new(tree, show, method)?;
+    let mut replay = Replay::<BODIES, COORDS>::new(tree, show, method)?;
     let mut hash = TorqueHash::default();
     for tick in 0..ticks {
         replay.sense(tick);

@@ -84,12 +84,12 @@ pub const NUMBERS: usize = {
     sum
 };
 
-/// Makes a run of a rig of at most `N` bodies and `V` degrees of freedom: `read` fills its slice with the run's next
-/// bytes, `write` takes the answer's next. Rig and frames are kept in `buffer`.
+/// Makes a run of a rig of at most `BODIES` bodies and `DOFS` degrees of freedom: `read` fills its slice with the run's
+/// next bytes, `write` takes the answer's next. Rig and frames are kept in `buffer`.
 ///
 /// # Errors
 /// What `read` and `write` return, or what is wrong with the run.
-pub fn perform<const N: usize, const V: usize>(
+pub fn perform<const BODIES: usize, const DOFS: usize>(
     buffer: &mut [u8],
     mut read: impl FnMut(&mut [u8]) -> Result<(), &'static str>,
     mut write: impl FnMut(&[u8]) -> Result<(), &'static str>,
@@ -106,17 +106,18 @@ pub fn perform<const N: usize, const V: usize>(
     let method = *MethodName::ALL.get(method).ok_or("there is no such method")?;
     let rig = buffer.get_mut(..length).ok_or("the rig is longer than the buffer")?;
     read(rig)?;
-    let tree = tree::<N, V>(rig).map_err(|_| "the rig is not usable")?;
+    let tree = tree::<BODIES, DOFS>(rig).map_err(|_| "the rig is not usable")?;
     let bodies = tree.len();
     let length = frames.saturating_mul(bodies).saturating_mul(POSE_LEN);
     let frames = buffer.get_mut(..length).ok_or("the frames are longer than the buffer")?;
     read(frames)?;
-    let mut frames = RecordedFrames::<N>::new(frames, bodies);
+    let mut frames = RecordedFrames::<BODIES>::new(frames, bodies);
     let timing = Timing { dt_s, latency_ticks: 0 };
-    let (settings, workspace) = (settings(method), Workspace::<N, N>::resolving());
-    let mut tracker = Tracker::<N, 1, N>::with_workspace(tree, &settings, timing, workspace)
-        .map_err(|_| "there is no such tracker")?;
-    let mut reading = |measured: &mut [Transform; N]| {
+    let (settings, workspace) = (settings(method), Workspace::<BODIES, BODIES>::resolving());
+    let mut tracker =
+        Tracker::<BODIES, 1, BODIES>::with_workspace(tree, &settings, timing, workspace)
+            .map_err(|_| "there is no such tracker")?;
+    let mut reading = |measured: &mut [Transform; BODIES]| {
         for pose in measured.iter_mut().take(bodies) {
             let mut bytes = [0; POSE_LEN];
             read(&mut bytes)?;
@@ -124,7 +125,7 @@ pub fn perform<const N: usize, const V: usize>(
         }
         Ok(())
     };
-    let (mut measured, mut answer) = ([Transform::IDENTITY; N], [[0; TICK_BYTES]; N]);
+    let (mut measured, mut answer) = ([Transform::IDENTITY; BODIES], [[0; TICK_BYTES]; BODIES]);
     reading(&mut measured)?;
     let before = measured.get(..bodies).unwrap_or_default();
     tracker.begin(&mut frames, 0, before).map_err(|_| "the beginning was refused")?;
@@ -139,19 +140,19 @@ pub fn perform<const N: usize, const V: usize>(
 }
 
 /// The frames of a run, read from where they are kept. Before the first they move on as in their first step.
-struct RecordedFrames<'a, const N: usize> {
+struct RecordedFrames<'a, const BODIES: usize> {
     recorded: &'a [[u8; POSE_LEN]],
     bodies: usize,
-    poses: [Transform; N],
+    poses: [Transform; BODIES],
 }
 
-impl<'a, const N: usize> RecordedFrames<'a, N> {
+impl<'a, const BODIES: usize> RecordedFrames<'a, BODIES> {
     fn new(bytes: &'a [u8], bodies: usize) -> Self {
-        Self { recorded: bytes.as_chunks().0, bodies, poses: [Transform::IDENTITY; N] }
+        Self { recorded: bytes.as_chunks().0, bodies, poses: [Transform::IDENTITY; BODIES] }
     }
 
     /// Reads a frame, or the last one if there are fewer.
-    fn read(&self, index: usize, poses: &mut [Transform; N]) {
+    fn read(&self, index: usize, poses: &mut [Transform; BODIES]) {
         let last = self.recorded.len().saturating_sub(self.bodies);
         let start = index.saturating_mul(self.bodies).min(last);
         let recorded = self.recorded.get(start..).unwrap_or_default();
@@ -161,7 +162,7 @@ impl<'a, const N: usize> RecordedFrames<'a, N> {
     }
 }
 
-impl<const N: usize> FrameSource for RecordedFrames<'_, N> {
+impl<const BODIES: usize> FrameSource for RecordedFrames<'_, BODIES> {
     fn frame(&mut self, index: i32) -> Frame<'_> {
         let mut poses = self.poses;
         if let Ok(index) = usize::try_from(index) {
@@ -183,12 +184,12 @@ impl<const N: usize> FrameSource for RecordedFrames<'_, N> {
 pub const TICK_BYTES: usize = NUMBERS * 4;
 
 /// The answer of a tracker's last tick.
-pub fn tick_bytes<'a, const N: usize, const D: usize, const R: usize>(
-    tracker: &mut Tracker<N, D, R>,
-    out: &'a mut [[u8; TICK_BYTES]; N],
+pub fn tick_bytes<'a, const BODIES: usize, const D: usize, const R: usize>(
+    tracker: &mut Tracker<BODIES, D, R>,
+    out: &'a mut [[u8; TICK_BYTES]; BODIES],
 ) -> &'a [u8] {
     let bodies = tracker.controller().tree().len();
-    let mut errors = [StateError::ZERO; N];
+    let mut errors = [StateError::ZERO; BODIES];
     tracker.errors(&mut errors);
     let bytes = out.as_flattened_mut();
     for (slot, number) in bytes.chunks_exact_mut(4).zip(numbers(tracker, &errors)) {
@@ -216,8 +217,8 @@ fn pose_of(bytes: &[u8; POSE_LEN]) -> Transform {
 }
 
 /// All numbers of the last tick, in the order of [`QUANTITIES`].
-fn numbers<const N: usize, const D: usize, const R: usize>(
-    tracker: &Tracker<N, D, R>,
+fn numbers<const BODIES: usize, const D: usize, const R: usize>(
+    tracker: &Tracker<BODIES, D, R>,
     errors: &[StateError],
 ) -> impl Iterator<Item = f32> {
     let (targets, w) = (tracker.targets(), tracker.workspace());

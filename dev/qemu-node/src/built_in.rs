@@ -7,7 +7,7 @@ use sinew_firmware::controller::{ControllerSettings, ServoSetup};
 use sinew_servo_bus::Schedule;
 use sinew_wiring::{Bus, Lines as AnyLines, Wiring};
 
-pub use sinew_wiring::{Dynamixel, Line, LineServo, Protocol, Servo};
+pub use sinew_wiring::{BusLine, Dynamixel, LineServo, Protocol, Servo};
 
 use crate::arm::{self, Kind};
 use crate::limits::{CAPACITY, LINES};
@@ -40,7 +40,7 @@ pub struct Rig {
 #[expect(clippy::large_enum_variant, reason = "an image has no heap, and there is one")]
 pub(crate) enum Received {
     Arm(Kind),
-    Rig { rig: Rig, lines: Vec<Line, LINES>, servos: Vec<Servo, CAPACITY> },
+    Rig { rig: Rig, lines: Vec<BusLine, LINES>, servos: Vec<Servo, CAPACITY> },
 }
 
 /// All lines of the node.

@@ -10,7 +10,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::built_in::{BuiltIn, Line, Servo};
+use crate::built_in::{BuiltIn, BusLine, Servo};
 
 /// Room for the longest message.
 const ROOM: usize = 4096;
@@ -21,7 +21,7 @@ pub enum ToNode<'a> {
     /// Its first power-on, with blank flash: what it has built in.
     PowerOn(BuiltIn),
     /// A line of a [rig](BuiltIn::Rig).
-    Line(Line),
+    Line(BusLine),
     /// A servo of a rig.
     Servo(Servo),
     /// A tick of the loop.

@@ -182,7 +182,7 @@ fn until_restart<B: Bytes<Error = Infallible>>(
     let rig = rig.filter(|_| control.is_some());
     let setup = Setup { about, settings, is_bad, rig, tick_s, line_bps: LINE_BPS };
     let mail = SingleThreaded(RefCell::new(Mail::new(disarmed)));
-    let mut desk = BackgroundTask::new(store, setup, first_session(starts));
+    let mut background = BackgroundTask::new(store, setup, first_session(starts));
     loop {
         match take(host) {
             ToNode::Tick { now_us, is_stopped } => {
@@ -211,7 +211,8 @@ fn until_restart<B: Bytes<Error = Infallible>>(
                 let came = came.expect("not too many bytes");
                 let said = heapless::Vec::new();
                 let mut port = HostPort { now_us, came: &came, said, chip, lent: &mut lent };
-                let restarts = (0..steps).any(|_| desk.step(&mut port, &mail) == Next::Restart);
+                let restarts =
+                    (0..steps).any(|_| background.step(&mut port, &mail) == Next::Restart);
                 let taken = came.len() - port.came.len();
                 put(host, &ToHost::Stepped { taken, line: &port.said, restarts });
                 if restarts {
@@ -238,8 +239,14 @@ fn bytes_of(
 
 /// What a controller has commanded in its last tick: positions, then speeds, then the tracker's effort of each dof
 /// and how far it is from where it should be.
-pub fn commanded<'c, const B: usize, const V: usize, const S: usize, const C: usize>(
-    controller: &'c MotionController<'_, B, V, S, C>,
+pub fn commanded<
+    'c,
+    const BODIES: usize,
+    const DOFS: usize,
+    const SERVOS: usize,
+    const COORDS: usize,
+>(
+    controller: &'c MotionController<'_, BODIES, DOFS, SERVOS, COORDS>,
 ) -> impl Iterator<Item = f32> + 'c {
     let (q, qd) = controller.commanded();
     let dofs = controller.report().dofs.iter();

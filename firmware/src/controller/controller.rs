@@ -124,18 +124,18 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         schedule: &Schedule,
         start: Start,
     ) -> Result<Self, ControllerError> {
-        let mut controller = Self::blank(rig);
-        controller.set_up(settings, servos, schedule, start)?;
+        let mut controller = Self::uninit(rig);
+        controller.init(settings, servos, schedule, start)?;
         Ok(controller)
     }
 
-    /// Creates an unconfigured controller of a rig: `set_up` must follow.
+    /// Creates an unconfigured controller of a rig: `init` must follow.
     #[inline(never)]
-    pub(crate) fn blank(rig: &'a BoardRig<BODIES, DOFS, SERVOS>) -> Self {
+    pub(crate) fn uninit(rig: &'a BoardRig<BODIES, DOFS, SERVOS>) -> Self {
         let mut supervisor = Supervisor::default();
         // Nothing is heard yet, and nothing asked: what is permitted before the first tick.
         let Outcome { state, permission, .. } = supervisor.step(&Supervised::default());
-        let path = Path::blank();
+        let path = Path::uninit();
         Self {
             rig,
             rig_crc: 0,
@@ -144,7 +144,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             supervisor,
             watch: Watch::default(),
             sources: Sources::new(path.now(), SoftStart::default()),
-            performance: Performance::blank(rig),
+            performance: Performance::uninit(rig),
             output: Output::default(),
             stop_test: StopTest::default(),
             comparison: Comparison::default(),
@@ -161,7 +161,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
 
     /// Initializes in place. The value is large, and moving it would cost its size in stack.
     #[inline(never)]
-    pub(crate) fn set_up(
+    pub(crate) fn init(
         &mut self,
         settings: &ControllerSettings,
         servos: &[ServoSetup],
@@ -179,13 +179,13 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         let groups = usize::try_from(schedule.groups()).unwrap_or(usize::MAX);
         let timing = Timing { dt_s, latency_ticks: groups };
         // By itself: it takes most of the stack that all of this takes.
-        self.performance.set_up(settings, servos, timing)?;
+        self.performance.init(settings, servos, timing)?;
         (self.rig_crc, self.dt_s, self.tick_us) = (settings.rig_crc, dt_s, schedule.tick_us());
-        self.set_up_others(settings, servos, start)
+        self.init_others(settings, servos, start)
     }
 
     #[inline(never)]
-    fn set_up_others(
+    fn init_others(
         &mut self,
         settings: &ControllerSettings,
         servos: &[ServoSetup],

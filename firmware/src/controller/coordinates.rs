@@ -6,7 +6,7 @@ use sinew_core::{JointKind, Tree, math};
 
 /// A part of the coordinates. A ball joint is a turn, a free one a turn and three numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Part {
+pub(super) enum JointIndices {
     /// One number for one dof; where they are.
     Number { q: usize, v: usize },
     /// A quaternion for three dofs; where they begin.
@@ -14,7 +14,9 @@ pub(super) enum Part {
 }
 
 /// All parts of a tree's coordinates; none if there are more dofs than `DOFS`.
-pub(super) fn parts<const N: usize, const DOFS: usize>(tree: &Tree<N>) -> Option<Vec<Part, DOFS>> {
+pub(super) fn parts<const N: usize, const DOFS: usize>(
+    tree: &Tree<N>,
+) -> Option<Vec<JointIndices, DOFS>> {
     let mut parts = Vec::new();
     let (mut q, mut v) = (0_usize, 0_usize);
     for body in tree.bodies() {
@@ -23,11 +25,11 @@ pub(super) fn parts<const N: usize, const DOFS: usize>(tree: &Tree<N>) -> Option
             v.saturating_add(body.joint.dof_count()),
         );
         if matches!(body.joint, JointKind::Spherical | JointKind::Free) {
-            parts.push(Part::Turn { q, v }).ok()?;
+            parts.push(JointIndices::Turn { q, v }).ok()?;
             (q, v) = (q.saturating_add(4), v.saturating_add(3));
         }
         for (q, v) in (q..end_q).zip(v..end_v) {
-            parts.push(Part::Number { q, v }).ok()?;
+            parts.push(JointIndices::Number { q, v }).ok()?;
         }
         (q, v) = (end_q, end_v);
     }

@@ -13,8 +13,8 @@
 //! 1. [`MotionController::begin`] looks at what the servos said in the tick before, decides, and gives commands to the
 //!    bus. A fault that it finds acts here: torque off is in the packets of this very tick.
 //! 2. [`exchange`] puts these packets on the board's [`Wire`], and takes what comes back.
-//! 3. [`MotionController::end`] says whether the tick was whole. Only then there is a [`Complete`](crate::watchdog::Complete),
-//!    and a board feeds its watchdog with nothing else.
+//! 3. [`MotionController::end`] says whether the tick was whole. Only then there is a
+//! [`Complete`](crate::watchdog::Complete), and a board feeds its watchdog with nothing else.
 //!
 //! As long as torque is not permitted, torque off goes out to all servos in every tick: one lost packet changes
 //! nothing. Torque on goes out in every tick of arming, behind a first goal where the servo was measured.
@@ -25,7 +25,7 @@
 //!
 //! # Registers
 //! A rig is armed only after the registers of every servo were read since torque was on, and since the servo was
-//! silent: mode, return delay, status level, limits, shutdown, gains, as [`ServoSetup::demand`] and
+//! silent: mode, return delay, status level, limits, shutdown, gains, as [`ServoSetup::requirements`] and
 //! [`sinew_servo_bus::settings`] say.
 //! As long as torque is off they are read round and round, a few bytes a tick; while it is on, never. A difference is
 //! in [`Report::registers`] and refuses. Nothing is written: that is `sinew servo apply`.

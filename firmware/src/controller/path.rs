@@ -5,7 +5,9 @@ use sinew_core::math;
 use sinew_rig::board::BoardRig;
 use sinew_rig::drive::Numbers;
 
-use super::coordinates::{Part, between, number, parts, put, put_three, put_turn, three, turn};
+use super::coordinates::{
+    JointIndices, between, number, parts, put, put_three, put_turn, three, turn,
+};
 use super::pose::Pose;
 use crate::drives::follower::Follower;
 use crate::supervisor::Moving;
@@ -22,7 +24,7 @@ const THERE: f32 = 1e-3;
 /// The commanded pose, from tick to tick.
 #[derive(Debug, Clone)]
 pub(super) struct Path<const DOFS: usize, const COORDS: usize> {
-    parts: Vec<Part, DOFS>,
+    parts: Vec<JointIndices, DOFS>,
     dofs: Vec<Axis, DOFS>,
     dt_s: f32,
     /// Where the source was left that was followed before.
@@ -44,8 +46,8 @@ struct Axis {
 }
 
 impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
-    /// Of no dofs.
-    pub(super) fn blank() -> Self {
+    /// Creates a path of no dofs.
+    pub(super) fn uninit() -> Self {
         let nowhere = Pose::new(0, 0);
         Self { parts: Vec::new(), dofs: Vec::new(), dt_s: 0.0, from: nowhere.clone(), now: nowhere }
     }
@@ -87,8 +89,8 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
     pub(super) fn coordinates(&self, dofs: &[f32], q: &mut [f32]) {
         for part in &self.parts {
             match *part {
-                Part::Number { q: at, v } => put(q, at, number(dofs, v)),
-                Part::Turn { q: at, v } => put_turn(q, at, math::exp(three(dofs, v))),
+                JointIndices::Number { q: at, v } => put(q, at, number(dofs, v)),
+                JointIndices::Turn { q: at, v } => put_turn(q, at, math::exp(three(dofs, v))),
             }
         }
     }
@@ -97,8 +99,10 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
     pub(super) fn positions(&self, out: &mut [f32]) {
         for part in &self.parts {
             match *part {
-                Part::Number { q: at, v } => put(out, v, number(self.now.q(), at)),
-                Part::Turn { q: at, v } => put_three(out, v, math::log(turn(self.now.q(), at))),
+                JointIndices::Number { q: at, v } => put(out, v, number(self.now.q(), at)),
+                JointIndices::Turn { q: at, v } => {
+                    put_three(out, v, math::log(turn(self.now.q(), at)))
+                }
             }
         }
     }
@@ -107,8 +111,10 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
     pub(super) fn errors(&self, q: &[f32], out: &mut [f32]) {
         for part in &self.parts {
             match *part {
-                Part::Number { q: at, v } => put(out, v, number(self.now.q(), at) - number(q, at)),
-                Part::Turn { q: at, v } => {
+                JointIndices::Number { q: at, v } => {
+                    put(out, v, number(self.now.q(), at) - number(q, at))
+                }
+                JointIndices::Turn { q: at, v } => {
                     put_three(out, v, between(turn(q, at), turn(self.now.q(), at)));
                 }
             }
@@ -119,12 +125,12 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
     /// be armed where it is.
     pub(super) fn beyond(&self, pose: &[f32], slack: f32) -> Option<usize> {
         self.parts.iter().find_map(|part| match *part {
-            Part::Number { q, v } => {
+            JointIndices::Number { q, v } => {
                 let at = number(pose, q);
                 let held = self.dofs.get(v).map_or(at, |axis| axis.follower.held(at));
                 ((held - at).abs() > slack).then_some(v)
             }
-            Part::Turn { .. } => None,
+            JointIndices::Turn { .. } => None,
         })
     }
 
@@ -144,7 +150,7 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
     /// By dof, what pushes a pose back from the ends of its ranges, N m or N. Ball joints have no walls.
     pub(super) fn walls(&self, pose: &[f32], out: &mut [f32]) {
         for part in &self.parts {
-            if let Part::Number { q, v } = *part {
+            if let JointIndices::Number { q, v } = *part {
                 put(out, v, self.dofs.get(v).map_or(0.0, |axis| axis.wall(number(pose, q))));
             }
         }
@@ -156,13 +162,13 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
         now.rest();
         for part in parts.iter() {
             match *part {
-                Part::Number { q: at, v } => {
+                JointIndices::Number { q: at, v } => {
                     if let Some(axis) = dofs.get_mut(v) {
                         axis.follower.begin(number(q, at));
                         put(now.q_mut(), at, axis.follower.stop_rad());
                     }
                 }
-                Part::Turn { q: at, .. } => put_turn(now.q_mut(), at, turn(q, at)),
+                JointIndices::Turn { q: at, .. } => put_turn(now.q_mut(), at, turn(q, at)),
             }
         }
         from.clone_from(now);
@@ -174,7 +180,7 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
         from.clone_from(now);
         from.rest();
         for part in parts.iter() {
-            if let Part::Number { q, v } = *part
+            if let JointIndices::Number { q, v } = *part
                 && let Some(axis) = dofs.get(v)
             {
                 put(from.q_mut(), q, axis.follower.stop_rad());
@@ -188,10 +194,10 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
         let Some(axis) = self.dofs.get(dof) else { return };
         for part in &self.parts {
             match *part {
-                Part::Number { q: at, v } if v == dof => {
+                JointIndices::Number { q: at, v } if v == dof => {
                     put(q, at, axis.follower.held(number(q, at) + by));
                 }
-                Part::Turn { q: at, v } if (v..v.saturating_add(3)).contains(&dof) => {
+                JointIndices::Turn { q: at, v } if (v..v.saturating_add(3)).contains(&dof) => {
                     let mut axis = [0.0; 3];
                     put(&mut axis, dof.saturating_sub(v), by);
                     put_turn(q, at, math::unit(turn(q, at) * math::exp(axis.into())));
@@ -214,7 +220,7 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
         let [q, qd, qdd] = now.all_mut();
         for part in parts.iter() {
             match *part {
-                Part::Number { q: at, v } => {
+                JointIndices::Number { q: at, v } => {
                     let Some(axis) = dofs.get_mut(v) else { continue };
                     axis.follower.set_speed(axis.most(speed_rad_s));
                     let (from, to) = (number(from.q(), at), number(goal.q(), at));
@@ -226,7 +232,7 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
                     put(qdd, v, if exact { number(goal.qdd(), v) } else { 0.0 });
                     is_there &= (next - to).abs() <= THERE;
                 }
-                Part::Turn { q: at, v } => {
+                JointIndices::Turn { q: at, v } => {
                     let own = dofs.get(v..v.saturating_add(3)).unwrap_or_default();
                     let most =
                         own.iter().fold(f32::INFINITY, |m, axis| m.min(axis.most(speed_rad_s)));

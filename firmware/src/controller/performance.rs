@@ -36,13 +36,13 @@ pub(super) struct Performance<'a, const BODIES: usize, const DOFS: usize, const 
 impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
     Performance<'a, BODIES, DOFS, SERVOS>
 {
-    /// Creates an unconfigured value of a rig: `set_up` must follow.
+    /// Creates an unconfigured value of a rig: `init` must follow.
     #[inline(never)]
-    pub(super) fn blank(rig: &'a BoardRig<BODIES, DOFS, SERVOS>) -> Self {
+    pub(super) fn uninit(rig: &'a BoardRig<BODIES, DOFS, SERVOS>) -> Self {
         Self {
             rig,
-            tracker: Tracker::empty(),
-            drives: Drives::blank(rig),
+            tracker: Tracker::uninit(),
+            drives: Drives::uninit(rig),
             corrects: Vec::new(),
             commands: Vec::new(),
             out: Vec::new(),
@@ -51,7 +51,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
 
     /// Initializes in place.
     #[inline(never)]
-    pub(super) fn set_up(
+    pub(super) fn init(
         &mut self,
         settings: &ControllerSettings,
         servos: &[ServoSetup],
@@ -60,7 +60,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         let Self { rig, tracker, drives, corrects, commands, out } = self;
         let mut of_drives: Vec<_, SERVOS> = Vec::new();
         of_drives.extend(servos.iter().map(|servo| servo.drive).take(SERVOS));
-        drives.set_up(&of_drives, timing).map_err(ControllerError::Drives)?;
+        drives.init(&of_drives, timing).map_err(ControllerError::Drives)?;
         // Dofs and servos of a rig are counted: there is room.
         let _ = commands.resize(rig.dofs().len(), DofCommand::default());
         let _ = out.resize(rig.servos().len(), None);
@@ -73,7 +73,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
                 }
             }
         }
-        tracker.set_up(rig.tree(), &settings.tracker, timing).map_err(ControllerError::Tracker)
+        tracker.init(rig.tree(), &settings.tracker, timing).map_err(ControllerError::Tracker)
     }
 
     /// Whether the servos of a dof take what the tracker makes of an error.

@@ -22,7 +22,7 @@ pub(super) struct Comparison<const SERVOS: usize> {
 
 #[derive(Debug)]
 struct Servo {
-    demand: ServoRequirements,
+    requirements: ServoRequirements,
     found: Option<Compared>,
     was_silent: bool,
 }
@@ -30,10 +30,11 @@ struct Servo {
 impl<const SERVOS: usize> Comparison<SERVOS> {
     #[inline(never)]
     pub(super) fn new(servos: &[BoardServo], setups: &[ServoSetup]) -> Self {
-        let demands = servos.iter().zip(setups).map(|(servo, setup)| setup.demand(&servo.servo));
+        let required =
+            servos.iter().zip(setups).map(|(servo, setup)| setup.requirements(&servo.servo));
         // Servos of a rig are counted: there is room.
-        let servos = demands
-            .map(|demand| Servo { demand, found: None, was_silent: false })
+        let servos = required
+            .map(|requirements| Servo { requirements, found: None, was_silent: false })
             .take(SERVOS)
             .collect();
         Self { servos, at: 0, is_asked: false, is_begun: false }
@@ -60,7 +61,7 @@ impl<const SERVOS: usize> Comparison<SERVOS> {
                 continue;
             }
             if !core::mem::replace(&mut self.is_asked, true) {
-                bus.compare(Some((self.at, servo.demand)));
+                bus.compare(Some((self.at, servo.requirements)));
             }
             match bus.compared() {
                 Compared::Reading => return,

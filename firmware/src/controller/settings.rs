@@ -103,7 +103,7 @@ pub struct ServoSetup {
 
 impl ServoSetup {
     /// What this servo must hold in its registers: with anything else the rig is not armed.
-    pub fn demand(&self, servo: &Servo) -> ServoRequirements {
+    pub fn requirements(&self, servo: &Servo) -> ServoRequirements {
         let servo = servo.settings();
         let (mode, encoder) = match &self.drive {
             DriveSettings::Current(own) => (Mode::Current, Some(own.encoder)),

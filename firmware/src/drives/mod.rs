@@ -8,8 +8,10 @@
 //!
 //! | class | for | takes | method | least rate |
 //! | --- | --- | --- | --- | --- |
-//! | [`CurrentDrive`] | servos in current mode | feed-forward and feedback effort | effort and friction over the torque constant | 200 Hz |
-//! | [`PositionDrive`] | servos in position mode of known stiffness | target and feed-forward effort | target, and the effort over the servo's own stiffness | 50 Hz |
+//! | [`CurrentDrive`] | servos in current mode | feed-forward and feedback effort | effort and friction over the torque
+//! constant | 200 Hz |
+//! | [`PositionDrive`] | servos in position mode of known stiffness | target and feed-forward effort | target, and the
+//! effort over the servo's own stiffness | 50 Hz |
 //! | [`TargetDrive`] | hobby servos, and others of unknown stiffness | target | the target, within its limits | 50 Hz |
 //!
 //! # Why a position servo gets no feedback effort

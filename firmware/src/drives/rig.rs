@@ -35,19 +35,19 @@ impl<'r, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         settings: &[DriveSettings],
         timing: Timing,
     ) -> Result<Self, SetupError> {
-        let mut drives = Self::blank(rig);
-        drives.set_up(settings, timing)?;
+        let mut drives = Self::uninit(rig);
+        drives.init(settings, timing)?;
         Ok(drives)
     }
 
-    /// Without settings: no servos.
-    pub(crate) fn blank(rig: &'r BoardRig<BODIES, DOFS, SERVOS>) -> Self {
+    /// Creates drives without settings and servos, for [`init`](Self::init).
+    pub(crate) fn uninit(rig: &'r BoardRig<BODIES, DOFS, SERVOS>) -> Self {
         Self { rig, servos: Vec::new(), turns: Vec::new() }
     }
 
-    /// Makes new ones of blank ones, in their place.
+    /// Initializes in place.
     #[inline(never)]
-    pub(crate) fn set_up(
+    pub(crate) fn init(
         &mut self,
         settings: &[DriveSettings],
         timing: Timing,

@@ -123,8 +123,8 @@ impl<
         mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) -> Next {
         let begun_at = port.cycles();
-        while let Some((ticket, said)) = mail.with(|mail| mail.answers.pop_front()) {
-            self.said(ticket, said, mail);
+        while let Some((id, said)) = mail.with(|mail| mail.answers.pop_front()) {
+            self.said(id, said, mail);
         }
         self.keep_faults(mail);
         // Also while nobody reads, and an answer has no room: a stop must be heard. Before a restart torque is off.
@@ -156,13 +156,13 @@ impl<
             ToController::Command(command) => match self.session.command(&command) {
                 Intake::Answer(answer) => self.outbox.put(&ToHost::Answer(answer)),
                 Intake::Execute => {
-                    let ticket = (command.session, command.seq);
+                    let id = (command.session, command.seq);
                     let is_ours = self.session.id() == Some(command.session);
                     if is_ours && command.item != Command::EStop {
                         mail.with(|mail| mail.heard = true);
                     }
-                    if let Some(outcome) = self.execute(command.item, ticket, port, mail) {
-                        self.answer(ticket, outcome);
+                    if let Some(outcome) = self.execute(command.item, id, port, mail) {
+                        self.answer(id, outcome);
                     }
                 }
             },
@@ -213,8 +213,8 @@ impl<
         });
     }
 
-    pub(super) fn answer(&mut self, ticket: CommandId, outcome: Outcome) {
-        let answer = self.session.answer(ticket.0, ticket.1, outcome);
+    pub(super) fn answer(&mut self, id: CommandId, outcome: Outcome) {
+        let answer = self.session.answer(id.0, id.1, outcome);
         self.outbox.put(&ToHost::Answer(answer));
     }
 }

@@ -28,12 +28,12 @@ impl<
     pub(super) fn execute(
         &mut self,
         command: Command,
-        ticket: CommandId,
+        id: CommandId,
         port: &mut impl Port<'a>,
         mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) -> Option<Outcome> {
         if let Some(order) = text::command(&command) {
-            return self.order(order, ticket, mail);
+            return self.order(order, id, mail);
         }
         let result = match command {
             // Before the loop has answered, nobody knows which show it reads, or whether it arms.
@@ -42,13 +42,13 @@ impl<
             {
                 Err(Refusal::Busy)
             }
-            Command::LoadShow { slot } => return self.load(slot.into(), ticket, port, mail),
+            Command::LoadShow { slot } => return self.load(slot.into(), id, port, mail),
             Command::DeleteShow { slot } if self.lent == Some(slot.into()) => {
                 let state = mail.with(|mail| mail.state);
                 if !state.is_on() {
                     return self.give(
                         LoopRequest::Show(None),
-                        ticket,
+                        id,
                         Pending::Unload { slot: slot.into() },
                         mail,
                     );
@@ -66,9 +66,9 @@ impl<
             Command::UploadBlock(block) => self.block(&block, mail),
             Command::EndUpload => self.end(port, mail),
             Command::PassOn(Pass { wait_us, .. }) if wait_us > PASS_WAIT_US => Err(Refusal::Value),
-            Command::PassOn(pass) => return self.serve(LoopRequest::Pass(pass), ticket, mail),
+            Command::PassOn(pass) => return self.serve(LoopRequest::Pass(pass), id, mail),
             Command::ReadPassed { offset } => mail.with(|mail| mail.of_servos(offset)),
-            Command::ReadHealth => return self.serve(LoopRequest::Health, ticket, mail),
+            Command::ReadHealth => return self.serve(LoopRequest::Health, id, mail),
             // The supervisor's were given to it.
             _ => Err(Refusal::Unsupported),
         };
@@ -80,14 +80,12 @@ impl<
     fn load(
         &mut self,
         slot: usize,
-        ticket: CommandId,
+        id: CommandId,
         port: &mut impl Port<'a>,
         mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) -> Option<Outcome> {
         match self.open(slot, port) {
-            Ok(show) => {
-                self.give(LoopRequest::Show(Some(show)), ticket, Pending::Load { slot }, mail)
-            }
+            Ok(show) => self.give(LoopRequest::Show(Some(show)), id, Pending::Load { slot }, mail),
             Err(refusal) => Some(Outcome::Refused(refusal)),
         }
     }
@@ -96,7 +94,7 @@ impl<
     fn order(
         &mut self,
         order: supervisor::Command,
-        ticket: CommandId,
+        id: CommandId,
         mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) -> Option<Outcome> {
         if self.setup.rig.is_none() {
@@ -104,51 +102,51 @@ impl<
             return Some(Outcome::Refused(Refusal::Fault(Fault::SettingsBad.number())));
         }
         if order == supervisor::Command::EStop {
-            mail.with(|mail| mail.stop = Some(ticket));
+            mail.with(|mail| mail.stop = Some(id));
             return None;
         }
-        self.give(LoopRequest::Supervise(order), ticket, Pending::Supervisor, mail)
+        self.give(LoopRequest::Supervise(order), id, Pending::Supervisor, mail)
     }
 
     /// For the loop behind its tick.
     fn serve(
         &mut self,
         order: LoopRequest<'a, COORDS>,
-        ticket: CommandId,
+        id: CommandId,
         mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) -> Option<Outcome> {
         if self.setup.rig.is_none() {
             // There is no loop.
             return Some(Outcome::Refused(Refusal::Fault(Fault::SettingsBad.number())));
         }
-        self.give(order, ticket, Pending::Service, mail)
+        self.give(order, id, Pending::Service, mail)
     }
 
     /// Gives an order to the loop, if it has none.
     fn give(
         &mut self,
         order: LoopRequest<'a, COORDS>,
-        ticket: CommandId,
+        id: CommandId,
         wait: Pending,
         mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) -> Option<Outcome> {
         if self.waiting.is_some() {
             return Some(Outcome::Refused(Refusal::Busy));
         }
-        self.waiting = Some((ticket, wait));
-        mail.with(|mail| mail.order = Some((ticket, order)));
+        self.waiting = Some((id, wait));
+        mail.with(|mail| mail.order = Some((id, order)));
         None
     }
 
     /// The loop has answered.
     pub(super) fn said(
         &mut self,
-        ticket: CommandId,
+        id: CommandId,
         said: LoopReply,
         mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) {
         // An emergency stop is not waited for.
-        let wait = self.waiting.take_if(|(of, _)| *of == ticket).map(|(_, wait)| wait);
+        let wait = self.waiting.take_if(|(of, _)| *of == id).map(|(_, wait)| wait);
         let outcome = match (said, wait) {
             (LoopReply::Supervised(Ok(state)), _) => {
                 Outcome::Applied(Applied::State(text::state(state)))
@@ -176,7 +174,7 @@ impl<
                 Outcome::Applied(Applied::Health(Health { link, ..health }))
             }
         };
-        self.answer(ticket, outcome);
+        self.answer(id, outcome);
     }
 
     fn set_telemetry(&mut self, setting: TelemetrySetting) -> Outcome {

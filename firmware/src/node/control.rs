@@ -52,9 +52,9 @@ pub struct ControlLoop<
 > {
     rig: &'a BoardRig<BODIES, DOFS, SERVOS>,
     pub(super) controller: MotionController<'a, BODIES, DOFS, SERVOS, COORDS>,
-    /// `None` before `set_up`.
+    /// None before [`init`](Self::init).
     live: Option<Live<COORDS>>,
-    /// The permit to erase flash. The control loop holds it while torque may be on.
+    /// The permit to erase flash. The loop has it while torque may be on.
     disarmed: Option<Disarmed>,
     /// The command that this tick carries out.
     asked: Option<CommandId>,
@@ -64,7 +64,7 @@ pub struct ControlLoop<
     pub(super) supply: MinSupply,
     jog: Option<(Jog, u64)>,
     /// Faults already reported to the background task.
-    told: FaultLog<LOGGED>,
+    reported_faults: FaultLog<LOGGED>,
     show_hz: Option<f32>,
     times: Times,
     timing: Timing,
@@ -85,8 +85,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         schedule: &Schedule,
         start: Start,
     ) -> Result<Self, ControlError> {
-        let mut control = Self::blank(rig);
-        control.set_up(settings, servos, schedule, start)?;
+        let mut control = Self::uninit(rig);
+        control.init(settings, servos, schedule, start)?;
         Ok(control)
     }
 
@@ -100,19 +100,19 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         start: Start,
         act: impl FnOnce(Result<&mut Self, ControlError>) -> R,
     ) -> R {
-        let mut control = Self::blank(rig);
-        let made = control.set_up(settings, servos, schedule, start);
+        let mut control = Self::uninit(rig);
+        let made = control.init(settings, servos, schedule, start);
         act(made.map(|()| &mut control))
     }
 
-    /// Creates an unconfigured loop in place. Private: `set_up` must follow.
+    /// Creates an unconfigured loop in place. Private: `init` must follow.
     // Not within its caller, as all that makes a large part: the compiler then makes it in its place.
     #[inline(never)]
-    fn blank(rig: &'a BoardRig<BODIES, DOFS, SERVOS>) -> Self {
+    fn uninit(rig: &'a BoardRig<BODIES, DOFS, SERVOS>) -> Self {
         Self {
             rig,
-            told: FaultLog::default(),
-            controller: MotionController::blank(rig),
+            reported_faults: FaultLog::default(),
+            controller: MotionController::uninit(rig),
             live: None,
             disarmed: None,
             asked: None,
@@ -128,16 +128,16 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
     }
 
     #[inline(never)]
-    fn set_up(
+    fn init(
         &mut self,
         settings: &NodeSettings,
         servos: &[ServoSetup],
         schedule: &Schedule,
         start: Start,
     ) -> Result<(), ControlError> {
-        self.told = start.log;
+        self.reported_faults = start.log;
         self.controller
-            .set_up(&settings.controller, servos, schedule, start)
+            .init(&settings.controller, servos, schedule, start)
             .map_err(ControlError::Controller)?;
         self.set_live(settings.live())
     }
@@ -220,36 +220,36 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
 
     /// One command a tick; an emergency stop before all others.
     fn command(&mut self, mail: &mut Mail<'a, DOFS, SERVOS, COORDS>) -> Option<Command> {
-        if let Some(ticket) = mail.stop.take() {
-            self.asked = Some(ticket);
+        if let Some(id) = mail.stop.take() {
+            self.asked = Some(id);
             return Some(Command::EStop);
         }
         match mail.order.take() {
-            Some((ticket, LoopRequest::Supervise(command))) => {
+            Some((id, LoopRequest::Supervise(command))) => {
                 // Nothing else leads to torque.
                 if command == Command::Arm && self.disarmed.is_none() {
                     self.disarmed = mail.disarmed.take();
                     if self.disarmed.is_none() {
-                        self.busy = Some(ticket);
+                        self.busy = Some(id);
                         return None;
                     }
                 }
-                self.asked = Some(ticket);
+                self.asked = Some(id);
                 Some(command)
             }
-            Some((ticket, LoopRequest::Show(show))) => {
+            Some((id, LoopRequest::Show(show))) => {
                 self.show_hz = show.as_ref().map(|show| show.show().rate().hz());
                 self.controller.put_show(show);
                 // There is room: one command is under way, and a stop.
-                let _ = mail.answers.push_back((ticket, LoopReply::Shown));
+                let _ = mail.answers.push_back((id, LoopReply::Shown));
                 None
             }
-            Some((ticket, LoopRequest::Pass(pass))) => {
-                self.service = Some((ticket, ServiceRequest::Pass(pass)));
+            Some((id, LoopRequest::Pass(pass))) => {
+                self.service = Some((id, ServiceRequest::Pass(pass)));
                 None
             }
-            Some((ticket, LoopRequest::Health)) => {
-                self.service = Some((ticket, ServiceRequest::Health));
+            Some((id, LoopRequest::Health)) => {
+                self.service = Some((id, ServiceRequest::Health));
                 None
             }
             None => mail.enable.take().map(Command::Enable),
@@ -281,21 +281,21 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         {
             mail.disarmed = Some(disarmed);
         }
-        if let (Some(ticket), Some(answer)) = (self.asked.take(), report.answer) {
-            let _ = mail.answers.push_back((ticket, LoopReply::Supervised(answer)));
+        if let (Some(id), Some(answer)) = (self.asked.take(), report.answer) {
+            let _ = mail.answers.push_back((id, LoopReply::Supervised(answer)));
         }
-        if let Some(ticket) = self.busy.take() {
-            let _ = mail.answers.push_back((ticket, LoopReply::Busy));
+        if let Some(id) = self.busy.take() {
+            let _ = mail.answers.push_back((id, LoopReply::Busy));
         }
         let log = self.controller.supervisor().log();
-        if *log != self.told {
+        if *log != self.reported_faults {
             let room = mail.faults.capacity().saturating_sub(mail.faults.len());
             // All or none, so that none is told twice. There is room for all in an empty mail.
-            if log.news(&self.told).count() <= room {
-                for news in log.news(&self.told) {
+            if log.news(&self.reported_faults).count() <= room {
+                for news in log.news(&self.reported_faults) {
                     let _ = mail.faults.push_back(news);
                 }
-                self.told = *log;
+                self.reported_faults = *log;
             }
         }
         if snapshot.is_some() {

@@ -1,7 +1,7 @@
 //! Commands for storage: uploads, shows, settings, faults.
 
 use embedded_storage::nor_flash::NorFlash;
-use sinew_link::message::{Applied, Block, FaultReport, Item, Place, Refusal, Value};
+use sinew_link::message::{Applied, Block, FaultReport, Item, Location, Refusal, Value};
 use sinew_rig::board::BoardRig;
 use sinew_show::ShowFrames;
 use sinew_storage::{Approver, Descriptor, Disarmed, Error, Kind, Store};
@@ -85,11 +85,11 @@ impl<
     }
 
     #[inline(never)]
-    pub(super) fn ask(&mut self, place: Place) -> Done {
+    pub(super) fn ask(&mut self, place: Location) -> Done {
         let item = match place {
-            Place::Settings => self.store.settings(),
-            Place::Rig => self.store.rig(),
-            Place::Show { slot } => self.store.show(slot.into()),
+            Location::Settings => self.store.settings(),
+            Location::Rig => self.store.rig(),
+            Location::Show { slot } => self.store.show(slot.into()),
         };
         let item = item.map_err(|error| text::storage(&error))?;
         Ok(Applied::Stored(item.map(|item| text::item(item.descriptor()))))

@@ -36,12 +36,12 @@ impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COORDS: 
         bus: &mut impl ServoBus,
         wire: &mut impl Wire,
     ) {
-        let Some((ticket, asked)) = self.service.take() else { return };
+        let Some((id, asked)) = self.service.take() else { return };
         let served = match asked {
             ServiceRequest::Health => ServiceReply::Measured(self.health(board)),
             ServiceRequest::Pass(pass) => self.pass(&pass, bus, wire),
         };
-        mail.with(|mail| mail.put_served(ticket, served));
+        mail.with(|mail| mail.put_served(id, served));
     }
 
     fn pass(&mut self, pass: &Pass, bus: &mut impl ServoBus, wire: &mut impl Wire) -> ServiceReply {
@@ -88,7 +88,7 @@ pub(super) fn cycles(Spread { least, mean, most, count }: Spread) -> Cycles {
 
 impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Mail<'_, DOFS, SERVOS, COORDS> {
     /// The loop has served the host.
-    fn put_served(&mut self, ticket: CommandId, served: ServiceReply) {
+    fn put_served(&mut self, id: CommandId, served: ServiceReply) {
         let said = match served {
             ServiceReply::Passed(of_servos) => {
                 self.of_servos = of_servos;
@@ -103,7 +103,7 @@ impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Mail<'_, DOFS,
             }
         };
         // There is room: one command is under way, and a stop.
-        let _ = self.answers.push_back((ticket, said));
+        let _ = self.answers.push_back((id, said));
     }
 
     /// What servos said, from a byte on.

@@ -5,7 +5,7 @@ use core::cell::RefCell;
 use sinew_firmware::controller::Wire;
 use sinew_servo_bus::Request;
 use sinew_servo_bus::pca9685::Prescale;
-use sinew_wiring::{Line, Protocol};
+use sinew_wiring::{BusLine, Protocol};
 use static_cell::ConstStaticCell;
 
 use crate::capacity::{LINES, SERVOS};
@@ -18,14 +18,14 @@ pub(crate) type Lines = sinew_wiring::Lines<sinew_wiring::Bus<SERVOS>, LINES, SE
 
 /// Where a line of the wiring is on this board.
 #[derive(Clone, Copy)]
-pub(crate) enum Place {
+pub(crate) enum LinePort {
     /// At so many bits a second.
     Serial(u32),
     /// A chip of this clock.
     I2c(Prescale),
 }
 
-impl Place {
+impl LinePort {
     /// None if no chip makes such pulses.
     pub(crate) fn of(line: &Line) -> Option<Self> {
         match line.protocol {
@@ -39,7 +39,7 @@ impl Place {
 pub(crate) struct Ports {
     pub(crate) serial: ServoLine,
     pub(crate) i2c: pulses::Bus,
-    pub(crate) places: heapless::Vec<Place, LINES>,
+    pub(crate) places: heapless::Vec<LinePort, LINES>,
     pub(crate) out: &'static mut [u8; OUT_LEN],
 }
 
@@ -48,7 +48,7 @@ impl Ports {
     pub(crate) fn new(
         serial: ServoLine,
         i2c: pulses::Bus,
-        places: heapless::Vec<Place, LINES>,
+        places: heapless::Vec<LinePort, LINES>,
     ) -> Self {
         // Not on the stack, where each function that it comes through would have one.
         static OUT: ConstStaticCell<[u8; OUT_LEN]> = ConstStaticCell::new([0; OUT_LEN]);
@@ -77,11 +77,11 @@ impl Wire for Exchange<'_> {
                 let bytes = self.ports.out.get(..len).unwrap_or_default();
                 match place {
                     _ if bytes.is_empty() => {}
-                    Place::Serial(_) => self
+                    LinePort::Serial(_) => self
                         .ports
                         .serial
                         .talk(bytes, time_us, |said| self.lines.borrow_mut().reply(line, said)),
-                    Place::I2c(prescale) => {
+                    LinePort::I2c(prescale) => {
                         // The first pulses after none: the chip may have got its power only now.
                         if !self.was_on {
                             pulses::start(&mut self.ports.i2c, &prescale);
@@ -103,9 +103,9 @@ impl Wire for Exchange<'_> {
 
     fn rate(&self, line: u8) -> Option<u32> {
         match self.ports.places.get(usize::from(line))? {
-            Place::Serial(own) => Some(*own),
+            LinePort::Serial(own) => Some(*own),
             // A PCA9685 is no servo: nobody there understands a packet.
-            Place::I2c(_) => None,
+            LinePort::I2c(_) => None,
         }
     }
 

@@ -8,7 +8,7 @@ use sinew_storage::Capacity;
 pub const SERVOS: usize = 20;
 /// Bodies.
 pub const BODIES: usize = SERVOS + 1;
-/// Degrees of dof.
+/// Degrees of freedom.
 pub const DOFS: usize = SERVOS;
 /// Coordinates: a ball joint has four for three dofs.
 pub const COORDINATES: usize = SERVOS + 2;

@@ -27,7 +27,7 @@ use sinew_storage::{BoardTable, Store};
 use sinew_wiring::{AllLines, Wiring};
 use static_cell::StaticCell;
 
-use crate::bus::{Exchange, Lines, Place, Ports};
+use crate::bus::{Exchange, LinePort, Lines, Ports};
 use crate::capacity::{BODIES, COORDINATES, DOFS, LINES, SERVOS, rounded};
 use crate::{Chip, Light, Serial, ServoLine, clock, flash, pulses, reset, watchdog};
 
@@ -173,9 +173,10 @@ impl Port<'static> for HostPort {
 }
 
 /// Where the lines of a wiring are; none if there are two of a kind.
-fn places(wiring: &OwnWiring) -> Option<Vec<Place, LINES>> {
-    let places: Vec<Place, LINES> = wiring.lines.iter().map(Place::of).collect::<Option<_>>()?;
-    let serial = places.iter().filter(|place| matches!(place, Place::Serial(_))).count();
+fn places(wiring: &OwnWiring) -> Option<Vec<LinePort, LINES>> {
+    let places: Vec<LinePort, LINES> =
+        wiring.lines.iter().map(LinePort::of).collect::<Option<_>>()?;
+    let serial = places.iter().filter(|place| matches!(place, LinePort::Serial(_))).count();
     (serial <= 1 && places.len() - serial <= 1).then_some(places)
 }
 
@@ -244,7 +245,7 @@ fn read_back(flash: Chip, table: BoardTable) -> ReadBack {
 /// The lines of a wiring, and what else the loop has of it.
 struct BoardWiring {
     lines: &'static RefCell<Lines>,
-    places: Vec<Place, LINES>,
+    places: Vec<LinePort, LINES>,
     servos: Vec<ServoSetup, SERVOS>,
     schedule: Schedule,
 }
@@ -268,8 +269,8 @@ fn no_lines() -> RefCell<Lines> {
 
 /// The node, from here to the next reset.
 ///
-/// The loop lies on the stack, above all that the desk takes: what is made there is made in its place. What else is
-/// large is made in functions of its own, whose stack is free again before the next.
+/// The loop lies on the stack, above all that the background task takes: what is made there is made in its place. What
+/// else is large is made in functions of its own, whose stack is free again before the next.
 pub fn run(mut core: cortex_m::Peripherals, mut hardware: Hardware) -> ! {
     core.DCB.enable_trace();
     core.DWT.enable_cycle_counter();
@@ -302,17 +303,17 @@ pub fn run(mut core: cortex_m::Peripherals, mut hardware: Hardware) -> ! {
     };
     // Without a loop nothing is told of a rig.
     let setup = Setup { about, settings, is_bad, rig: None, tick_s: 0.01, line_bps: link_bps };
-    let mut desk = BackgroundContext { store, setup, first_session, mail, link, light };
+    let mut background = BackgroundContext { store, setup, first_session, mail, link, light };
     let Some((rig, wired)) = rig.zip(wired) else {
         // A rig that is stored, and that this board cannot move: what is stored is bad.
-        desk.setup.is_bad |= rig.is_some();
-        below(desk)
+        background.setup.is_bad |= rig.is_some();
+        below(background)
     };
-    let of_loop = desk.setup.settings.clone();
+    let of_loop = background.setup.settings.clone();
     let pins = PinsBeforeWatchdog { outputs, stop, core_hz };
     let ports = Ports::new(servos, i2c, wired.places.clone());
     ControlLoop::with(rig.0, &of_loop, &wired.servos, &wired.schedule, start, |control| {
-        node(control.ok(), rig, wired, ports, pins, desk)
+        node(control.ok(), rig, wired, ports, pins, background)
     })
 }
 /// Of the workspace.
@@ -333,7 +334,7 @@ fn node(
     wired: &'static BoardWiring,
     mut ports: Ports,
     pins: PinsBeforeWatchdog,
-    mut desk: BackgroundContext,
+    mut background: BackgroundContext,
 ) -> ! {
     let mut own = None;
     let tick_us = wired.schedule.tick_us();
@@ -344,30 +345,36 @@ fn node(
     {
         let PinsBeforeWatchdog { outputs, stop, core_hz } = pins;
         let pins = Pins { outputs, stop, watchdog: watchdog::start(), core_hz };
-        let asks_us = tick_us.saturating_sub(desk.setup.settings.controller.compute_us);
-        let own =
-            own.insert(Loop { control, lines: wired.lines, ports, pins, mail: desk.mail, asks_us });
+        let asks_us = tick_us.saturating_sub(background.setup.settings.controller.compute_us);
+        let own = own.insert(Loop {
+            control,
+            lines: wired.lines,
+            ports,
+            pins,
+            mail: background.mail,
+            asks_us,
+        });
         LOOP.store(ptr::from_mut(own).cast(), Ordering::Release);
-        desk.setup.rig = Some(rig);
-        desk.setup.tick_s = 1e-6 * tick_us as f32;
+        background.setup.rig = Some(rig);
+        background.setup.tick_s = 1e-6 * tick_us as f32;
         start_timer();
     } else {
         // What is stored is of a rig that this board cannot move.
-        desk.setup.is_bad = true;
+        background.setup.is_bad = true;
     }
-    below(desk)
+    below(background)
 }
 
 /// Whether all lines are as the wiring says; torque is off on them.
 fn is_started(ports: &mut Ports) -> bool {
     ports.places.clone().iter().all(|place| match *place {
-        Place::I2c(prescale) => {
+        LinePort::I2c(prescale) => {
             // Whatever pulses it made before, they are off. OE is high until there is torque, and then it is started
             // again: it need not answer yet.
             pulses::start(&mut ports.i2c, &prescale);
             true
         }
-        Place::Serial(baud) => {
+        LinePort::Serial(baud) => {
             let is_set = ports.serial.set_rate(baud);
             if is_set {
                 ports.serial.torque_off();
@@ -415,11 +422,11 @@ struct BackgroundContext {
 fn below(
     BackgroundContext { store, setup, first_session, mail, link, mut light }: BackgroundContext,
 ) -> ! {
-    let mut desk = BackgroundTask::new(store, setup, first_session);
+    let mut background = BackgroundTask::new(store, setup, first_session);
     let mut port = HostPort { link };
     let mut stack_due_us = 0;
     loop {
-        if desk.step(&mut port, mail) == Next::Restart {
+        if background.step(&mut port, mail) == Next::Restart {
             port.link.finish();
             SCB::sys_reset();
         }

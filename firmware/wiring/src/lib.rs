@@ -27,6 +27,6 @@ mod wiring;
 
 pub use bus::Bus;
 pub use error::WiringError;
-pub use line::{Dynamixel, Line, LineServo, Protocol, Pulses, Servo};
+pub use line::{BusLine, Dynamixel, LineServo, Protocol, Pulses, Servo};
 pub use lines::{AllLines, Lines};
 pub use wiring::{LINES, Wiring};

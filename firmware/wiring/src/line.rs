@@ -15,7 +15,7 @@ use crate::{Bus, WiringError};
 
 /// A line of servos.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Line {
+pub struct BusLine {
     /// What is spoken on it.
     pub protocol: Protocol,
     /// How fast it is.
@@ -99,7 +99,7 @@ impl Dynamixel {
     }
 }
 
-impl Line {
+impl BusLine {
     /// What its bus goes by, at so many ticks a second.
     ///
     /// # Errors

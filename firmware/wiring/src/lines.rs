@@ -104,11 +104,12 @@ impl<B: ServoBus, const L: usize, const SERVOS: usize> ServoBus for AllLines<'_,
 
     fn compare(&mut self, asked: Option<(usize, ServoRequirements)>) {
         let Lines { buses, places, compared, .. } = &mut *self.0.borrow_mut();
-        let place = asked.and_then(|(servo, demand)| Some((*places.get(servo)?, demand)));
+        let place =
+            asked.and_then(|(servo, requirements)| Some((*places.get(servo)?, requirements)));
         *compared = place.map(|((line, _), _)| line);
         for (index, line) in buses.iter_mut().enumerate() {
             let own = place.filter(|((line, _), _)| *line == index);
-            line.compare(own.map(|((_, place), demand)| (place, demand)));
+            line.compare(own.map(|((_, place), requirements)| (place, requirements)));
         }
     }
 

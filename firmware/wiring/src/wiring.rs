@@ -7,7 +7,7 @@ use sinew_firmware::node::join_rig;
 use sinew_servo_bus::Schedule;
 
 use crate::error::{VERSION, WiringError};
-use crate::{Bus, Line, LineServo, Lines, Servo};
+use crate::{Bus, BusLine, LineServo, Lines, Servo};
 
 /// Lines that a rig is told with at most; boards hold fewer.
 pub const LINES: usize = 4;
@@ -22,7 +22,7 @@ pub struct Wiring<const L: usize, const SERVOS: usize> {
     /// Method and gains.
     pub tracker: TrackerSettings,
     /// The lines.
-    pub lines: Vec<Line, L>,
+    pub lines: Vec<BusLine, L>,
     /// The servos, in the rig's order.
     pub servos: Vec<Servo, SERVOS>,
 }

@@ -4,7 +4,7 @@ use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Block, Item, Operator, Pass, Place, TelemetrySetting, Value};
+use super::{Block, Item, Location, Operator, Pass, TelemetrySetting, Value};
 
 /// Something to do. The controller answers each with what it did, and what limited it.
 ///
@@ -67,7 +67,7 @@ pub enum Command {
         index: u16,
     },
     /// Ask what is stored at a place.
-    AskStored(Place),
+    AskStored(Location),
     /// Begin an upload, or go on with the same one.
     BeginUpload(Item),
     /// Bytes of the upload.

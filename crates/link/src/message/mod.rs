@@ -25,12 +25,12 @@ pub use service::{
 };
 pub use state::State;
 pub use stored::{
-    APPROVER_MAX, Approver, BLOCK_MAX, Block, Item, Kind, NAME_MAX, Name, Place, Value,
+    APPROVER_MAX, Approver, BLOCK_MAX, Block, Item, Kind, Location, NAME_MAX, Name, Value,
 };
 pub use stream::{LiveFrame, POSE_MAX, Stream};
 pub use telemetry::{
-    DOFS_A_FRAME, Dof, Errors, Part, Parts, SERVOS_A_FRAME, Servo, Snapshot, Summary, Telemetry,
-    TelemetrySetting,
+    DOFS_A_FRAME, Dof, Errors, Parts, SERVOS_A_FRAME, Servo, Snapshot, SnapshotPart, Summary,
+    Telemetry, TelemetrySetting,
 };
 
 use serde::{Deserialize, Serialize};

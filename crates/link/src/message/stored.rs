@@ -46,7 +46,7 @@ pub enum Kind {
 
 /// Where something is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Place {
+pub enum Location {
     /// The settings in use.
     Settings,
     /// The rig in use.

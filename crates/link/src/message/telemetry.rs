@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::{Limit, POSE_MAX, State};
 use crate::finite;
 
-/// Degrees of dof in a frame, at most.
+/// Degrees of freedom in a frame, at most.
 pub const DOFS_A_FRAME: usize = 42;
 
 /// Servos in a frame, at most.
@@ -20,12 +20,12 @@ pub struct Telemetry {
     /// The tick of the snapshot.
     pub tick: u32,
     /// What it says.
-    pub part: Part,
+    pub part: SnapshotPart,
 }
 
 /// A part of a snapshot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub enum Part {
+pub enum SnapshotPart {
     /// The whole rig.
     Summary(Summary),
     /// The measured pose.
@@ -36,7 +36,7 @@ pub enum Part {
         #[serde(with = "finite::list")]
         q: Vec<f32, POSE_MAX>,
     },
-    /// Degrees of dof.
+    /// Degrees of freedom.
     Dofs {
         /// Which one the first is.
         first: u8,
@@ -133,7 +133,7 @@ impl Parts {
     pub const SUMMARY: Self = Self(1);
     /// The pose.
     pub const POSE: Self = Self(2);
-    /// Degrees of dof.
+    /// Degrees of freedom.
     pub const DOFS: Self = Self(4);
     /// Servos.
     pub const SERVOS: Self = Self(8);
@@ -171,7 +171,7 @@ pub struct Snapshot<'a> {
     pub summary: &'a Summary,
     /// The measured pose, at most 256 numbers.
     pub q: &'a [f32],
-    /// Degrees of dof, at most 256.
+    /// Degrees of freedom, at most 256.
     pub dofs: &'a [Dof],
     /// Servos, at most 256.
     pub servos: &'a [Servo],
@@ -195,24 +195,24 @@ impl Snapshot<'_> {
     }
 
     /// Counts `index` down, part after part.
-    fn part(&self, parts: Parts, index: &mut usize) -> Option<Part> {
+    fn part(&self, parts: Parts, index: &mut usize) -> Option<SnapshotPart> {
         if parts.has(Parts::SUMMARY) && take(index, 1).is_some() {
-            return Some(Part::Summary(*self.summary));
+            return Some(SnapshotPart::Summary(*self.summary));
         }
         if parts.has(Parts::POSE)
             && let Some((first, q)) = chunk(self.q, index)
         {
-            return Some(Part::Pose { first, q });
+            return Some(SnapshotPart::Pose { first, q });
         }
         if parts.has(Parts::DOFS)
             && let Some((first, dofs)) = chunk(self.dofs, index)
         {
-            return Some(Part::Dofs { first, dofs });
+            return Some(SnapshotPart::Dofs { first, dofs });
         }
         if parts.has(Parts::SERVOS)
             && let Some((first, servos)) = chunk(self.servos, index)
         {
-            return Some(Part::Servos { first, servos });
+            return Some(SnapshotPart::Servos { first, servos });
         }
         None
     }

@@ -63,16 +63,16 @@ fn all_of_a_snapshot_is_told_once() {
             decoder.feed(&frame(&ToHost::Telemetry(part)), |message| {
                 let ToHost::Telemetry(telemetry) = message else { unreachable!() };
                 match telemetry.part {
-                    Part::Summary(summary) => told.0.push(summary),
-                    Part::Pose { first, q } => {
+                    SnapshotPart::Summary(summary) => told.0.push(summary),
+                    SnapshotPart::Pose { first, q } => {
                         assert_eq!(usize::from(first), told.1.len());
                         told.1.extend(q);
                     }
-                    Part::Dofs { first, dofs } => {
+                    SnapshotPart::Dofs { first, dofs } => {
                         assert_eq!(usize::from(first), told.2.len());
                         told.2.extend(dofs);
                     }
-                    Part::Servos { first, servos } => {
+                    SnapshotPart::Servos { first, servos } => {
                         assert_eq!(usize::from(first), told.3.len());
                         told.3.extend(servos);
                     }

@@ -7,7 +7,7 @@ use std::time::Duration;
 use sinew_board_client::{Board, Line};
 use sinew_firmware::supervisor;
 use sinew_link::Decoder;
-use sinew_link::message::{Command, Feed, Part, Parts as Told, State, ToHost};
+use sinew_link::message::{Command, Feed, Parts as Told, SnapshotPart, State, ToHost};
 use sinew_nucleo::Burst;
 
 use crate::in_process::{Exchange, InProcess};
@@ -67,7 +67,7 @@ impl Line for Watched {
         let len = self.board.receive(into, wait)?;
         self.decoder.feed(&into[..len], |message| {
             if let ToHost::Telemetry(telemetry) = message
-                && let Part::Summary(summary) = telemetry.part
+                && let SnapshotPart::Summary(summary) = telemetry.part
             {
                 self.states.push((telemetry.tick, summary.state));
             }

@@ -68,11 +68,12 @@ impl ServoBus for Buses {
     }
 
     fn compare(&mut self, asked: Option<(usize, ServoRequirements)>) {
-        let place = asked.and_then(|(servo, demand)| Some((*self.places.get(servo)?, demand)));
+        let place =
+            asked.and_then(|(servo, requirements)| Some((*self.places.get(servo)?, requirements)));
         self.compares = place.map(|((line, _), _)| line);
         for (index, line) in self.lines.iter_mut().enumerate() {
             let own = place.filter(|((line, _), _)| *line == index);
-            line.compare(own.map(|((_, place), demand)| (place, demand)));
+            line.compare(own.map(|((_, place), requirements)| (place, requirements)));
         }
     }
 

@@ -56,9 +56,9 @@ fn tick<D: BusDevice>(
 fn compare<D: BusDevice>(
     bus: &mut impl ServoBus,
     device: &mut D,
-    demand: ServoRequirements,
+    requirements: ServoRequirements,
 ) -> Compared {
-    bus.compare(Some((0, demand)));
+    bus.compare(Some((0, requirements)));
     for _ in 0..40 {
         tick(bus, device, 3_000, |_| {});
         if bus.compared() != Compared::Reading {
@@ -265,8 +265,9 @@ fn limits_are_what_the_rig_says() {
     let raw = |settings: Vec<Setting>, address| {
         settings.iter().find(|setting| setting.item.address == address).unwrap().raw
     };
-    let of = |name, demand| {
-        settings::dynamixel(Table { model: model(name), firmware: 52 }, demand).collect::<Vec<_>>()
+    let of = |name, requirements| {
+        settings::dynamixel(Table { model: model(name), firmware: 52 }, requirements)
+            .collect::<Vec<_>>()
     };
     // 1.75 rad are 1140.8 counts: rounded inwards. 0.2 N m and friction, over 0.387 N m/A, are 0.55 A.
     assert_eq!([48, 52].map(|at| raw(of("XL330-M288", DEMAND), at)), [2048 + 1140, 2048 - 1140]);
@@ -283,7 +284,7 @@ fn limits_are_what_the_rig_says() {
     assert_eq!(raw(of("XL330-M288", strong), 38), 1750);
     assert_eq!(raw(of("XL430-W250", strong), 36), 885);
     assert_eq!(raw(of("XL430-W250", DEMAND), 36), 340);
-    let sts = |demand| settings::feetech(Family::Sts, demand).collect::<Vec<_>>();
+    let sts = |requirements| settings::feetech(Family::Sts, requirements).collect::<Vec<_>>();
     assert_eq!([16, 48].map(|at| raw(sts(DEMAND), at)), [385, 385]);
     assert_eq!([16, 48].map(|at| raw(sts(strong), at)), [1000, 1000]);
 }

@@ -256,7 +256,7 @@ fn a_board_comes_to_the_same_counts() {
                 joint_friction_nm: 0.0,
             };
             let Some(table) = rig.table() else { continue };
-            let demand = ServoRequirements {
+            let requirements = ServoRequirements {
                 mode: Mode::Position,
                 range_rad: [-most, 0.9 * most].map(|own| single(own) + std::f32::consts::PI),
                 torque_nm: single(rig.torque_nm.unwrap_or(stall_nm)),
@@ -266,8 +266,10 @@ fn a_board_comes_to_the_same_counts() {
                 shutdown_c: single(model.shutdown_c.value),
             };
             let board: Vec<Setting> = match &table {
-                Table::Dynamixel(table) => settings::dynamixel(*table, demand).collect(),
-                Table::Feetech(table) => settings::feetech(table.model.family, demand).collect(),
+                Table::Dynamixel(table) => settings::dynamixel(*table, requirements).collect(),
+                Table::Feetech(table) => {
+                    settings::feetech(table.model.family, requirements).collect()
+                }
             };
             assert_eq!(desired(&rig, &table, Mode::Position).unwrap(), board, "{kind} {tenths}");
         }

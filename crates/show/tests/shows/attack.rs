@@ -8,7 +8,7 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 use sinew_show::write::{Motion, Settings, write};
 use sinew_show::{Joint, Player, Position, Rate, Show, ShowError};
 
-const C: usize = 16;
+const COORDS: usize = 16;
 const CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 /// Random changes of a run: about 10 s on two cores.
 const MUTATIONS: u64 = 1_000_000;
@@ -26,8 +26,8 @@ fn small(is_loop: bool) -> Vec<u8> {
 fn play(bytes: &[u8]) -> Result<(), ShowError> {
     let show = Show::open(bytes)?;
     assert!(show.cues().all(|cue| cue.name.len() < 256));
-    let mut player = Player::<C>::new(show)?;
-    let (mut q, mut qd, mut qdd) = ([0.0f32; C], [0.0f32; C], [0.0f32; C]);
+    let mut player = Player::<COORDS>::new(show)?;
+    let (mut q, mut qd, mut qdd) = ([0.0f32; COORDS], [0.0f32; COORDS], [0.0f32; COORDS]);
     let mut outcome = Ok(());
     // Next to the borders of blocks and to the end, back, and far beyond.
     let places = [0, 1, 11, 12, 23, 25, 34, 35, 36, 37, 5, 1 << 20];
@@ -36,7 +36,7 @@ fn play(bytes: &[u8]) -> Result<(), ShowError> {
         outcome = outcome.and(played);
         let mut at = 0;
         for joint in show.joints() {
-            if at + joint.coordinate_count() > C {
+            if at + joint.coordinate_count() > COORDS {
                 break;
             }
             if joint.turns_freely() && played.is_ok() {

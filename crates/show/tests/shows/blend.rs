@@ -6,7 +6,7 @@ use sinew_core::tracker::{Frame, FrameSource};
 use sinew_show::write::Settings;
 use sinew_show::{Blend, BlendError, Joint, Player, Position, Rate, Show, ShowFrames, State};
 
-const C: usize = 32;
+const COORDS: usize = 32;
 
 #[derive(Clone, PartialEq, Debug)]
 struct Numbers {
@@ -26,7 +26,7 @@ impl Numbers {
     }
 }
 
-fn at(blend: &Blend<'_, C>, show: &Show<'_>, time_s: f32) -> Numbers {
+fn at(blend: &Blend<'_, COORDS>, show: &Show<'_>, time_s: f32) -> Numbers {
     let mut n = Numbers::of(show);
     blend.state_at(time_s, &mut n.q, &mut n.qd, &mut n.qdd);
     n
@@ -55,17 +55,17 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]
 
     #[test]
-    fn both_ends_are_met(example in any_example(C), from in 0u32..100, to in 0u32..100, duration_s in 0.3f32..1.0) {
+    fn both_ends_are_met(example in any_example(COORDS), from in 0u32..100, to in 0u32..100, duration_s in 0.3f32..1.0) {
         let bytes = example.write(&Settings::default()).bytes;
         let show = Show::open(&bytes).expect("a show");
-        let mut player = Player::<C>::new(show).expect("room");
+        let mut player = Player::<COORDS>::new(show).expect("room");
         let [from, to] = [from, to].map(|share| {
             let mut n = Numbers::of(&show);
             let position = Position::from_samples(show.length() * share / 100);
             player.state_at(position, &mut n.q, &mut n.qd, &mut n.qdd).expect("whole");
             n
         });
-        let blend = match Blend::<C>::new(show, from.state(), to.state(), duration_s) {
+        let blend = match Blend::<COORDS>::new(show, from.state(), to.state(), duration_s) {
             Ok(blend) => blend,
             Err(error) => {
                 prop_assert!(matches!(error, BlendError::Turns { .. }), "{error}");

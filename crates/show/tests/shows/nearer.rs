@@ -5,14 +5,14 @@ use sinew_show::{Joint, Player, Position, Rate, Show};
 
 use crate::examples::example;
 
-const C: usize = 2;
+const COORDS: usize = 2;
 
 /// Positions of both joints at all samples.
-fn played(bytes: &[u8]) -> Vec<[f32; C]> {
+fn played(bytes: &[u8]) -> Vec<[f32; COORDS]> {
     let show = Show::open(bytes).expect("a show");
-    let mut player = Player::<C>::new(show).expect("room");
+    let mut player = Player::<COORDS>::new(show).expect("room");
     let at = |sample| {
-        let (mut q, mut qd, mut qdd) = ([0.0; C], [0.0; C], [0.0; C]);
+        let (mut q, mut qd, mut qdd) = ([0.0; COORDS], [0.0; COORDS], [0.0; COORDS]);
         let position = Position::from_samples(sample);
         player.state_at(position, &mut q, &mut qd, &mut qdd).expect("a whole show");
         q
@@ -24,7 +24,7 @@ fn played(bytes: &[u8]) -> Vec<[f32; C]> {
 fn a_show_is_nearer_where_it_is_asked_to_be_and_the_same_elsewhere() {
     const SAMPLES: usize = 1200;
     let rate = Rate { samples: 120, seconds: 1 };
-    let example = example(vec![Joint::Revolute; C], SAMPLES, rate, false, 4);
+    let example = example(vec![Joint::Revolute; COORDS], SAMPLES, rate, false, 4);
     let settings = Settings::default();
     let mut writer = Writer::new(example.motion(), settings).expect("a motion that can be");
     let write = |writer: &mut Writer<'_>| writer.write().expect("a show");
@@ -41,12 +41,12 @@ fn a_show_is_nearer_where_it_is_asked_to_be_and_the_same_elsewhere() {
         !writer.bring_nearer(1, SAMPLES + 5..SAMPLES + 9, beside, [share, share]),
         "behind the end"
     );
-    assert!(!writer.bring_nearer(C, samples.clone(), beside, [share, share]), "no such joint");
+    assert!(!writer.bring_nearer(COORDS, samples.clone(), beside, [share, share]), "no such joint");
     let nearer = write(&mut writer);
     let [before, after] = [&first, &nearer].map(|show| played(&show.bytes));
-    let worst = |played: &[[f32; C]], samples: std::ops::Range<usize>| {
+    let worst = |played: &[[f32; COORDS]], samples: std::ops::Range<usize>| {
         let error =
-            |sample: usize| (f64::from(played[sample][1]) - example.q[C * sample + 1]).abs();
+            |sample: usize| (f64::from(played[sample][1]) - example.q[COORDS * sample + 1]).abs();
         samples.map(error).fold(0.0, f64::max)
     };
     assert!(worst(&before, samples.clone()) > share * settings.angle_rad);

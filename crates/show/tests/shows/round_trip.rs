@@ -11,16 +11,16 @@ use proptest::prelude::*;
 use sinew_show::write::Settings;
 use sinew_show::{Joint, Player, Position, Rate, Show};
 
-const C: usize = 32;
+const COORDS: usize = 32;
 
 struct Played {
-    q: [f32; C],
-    qd: [f32; C],
-    qdd: [f32; C],
+    q: [f32; COORDS],
+    qd: [f32; COORDS],
+    qdd: [f32; COORDS],
 }
 
-fn play(player: &mut Player<'_, C>, position: Position) -> Played {
-    let (mut q, mut qd, mut qdd) = ([0.0; C], [0.0; C], [0.0; C]);
+fn play(player: &mut Player<'_, COORDS>, position: Position) -> Played {
+    let (mut q, mut qd, mut qdd) = ([0.0; COORDS], [0.0; COORDS], [0.0; COORDS]);
     player.state_at(position, &mut q, &mut qd, &mut qdd).expect("a whole show");
     Played { q, qd, qdd }
 }
@@ -59,7 +59,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]
 
     #[test]
-    fn every_sample_is_within_the_bound(example in any_example(C), angle_deg in 0.02f64..1.0) {
+    fn every_sample_is_within_the_bound(example in any_example(COORDS), angle_deg in 0.02f64..1.0) {
         let settings = Settings { angle_rad: angle_deg.to_radians(), ..Settings::default() };
         let written = example.write(&settings);
         let show = Show::open(&written.bytes).expect("a show");
@@ -76,10 +76,10 @@ proptest! {
     }
 
     #[test]
-    fn any_order_gives_the_same_bits(example in any_example(C), places in prop::collection::vec(0.0f64..1.2, 60)) {
+    fn any_order_gives_the_same_bits(example in any_example(COORDS), places in prop::collection::vec(0.0f64..1.2, 60)) {
         let written = example.write(&Settings { block_s: 0.5, ..Settings::default() });
         let show = Show::open(&written.bytes).expect("a show");
-        let mut wandering = Player::<C>::new(show).expect("room");
+        let mut wandering = Player::<COORDS>::new(show).expect("room");
         let mut forwards = wandering.clone();
         let mut ordered = places.clone();
         ordered.sort_by(f64::total_cmp);
@@ -95,10 +95,10 @@ proptest! {
     }
 
     #[test]
-    fn speeds_and_accelerations_are_the_curve_s_own(example in any_example(C), place in 0.05f64..0.95) {
+    fn speeds_and_accelerations_are_the_curve_s_own(example in any_example(COORDS), place in 0.05f64..0.95) {
         let written = example.write(&Settings::default());
         let show = Show::open(&written.bytes).expect("a show");
-        let mut player = Player::<C>::new(show).expect("room");
+        let mut player = Player::<COORDS>::new(show).expect("room");
         let middle_us = (place * f64::from(show.duration_s()) * 1e6) as u64;
         let step_us = 200;
         let [before, now, after] = [middle_us - step_us, middle_us, middle_us + step_us]
@@ -154,7 +154,7 @@ proptest! {
     }
 
     #[test]
-    fn a_loop_has_no_seam(mut example in any_example(C)) {
+    fn a_loop_has_no_seam(mut example in any_example(COORDS)) {
         if !example.is_loop {
             let Example { joints, samples, rate, .. } = example;
             example = examples::example(joints, samples.max(20), rate, true, 5);
@@ -162,7 +162,7 @@ proptest! {
         let written = example.write(&Settings::default());
         let show = Show::open(&written.bytes).expect("a show");
         prop_assert!(show.is_loop());
-        let mut player = Player::<C>::new(show).expect("room");
+        let mut player = Player::<COORDS>::new(show).expect("room");
         let Rate { samples, seconds } = show.rate();
         let end_s = f64::from(show.length()) / f64::from(samples) * f64::from(seconds);
         let end_us = (end_s * 1e6) as u64;
@@ -204,7 +204,7 @@ fn accelerations_have_no_steps() {
     let written = example.write(&Settings { block_s: 0.5, ..Settings::default() });
     let show = Show::open(&written.bytes).expect("a show");
     assert_eq!(show.block_count(), 12);
-    let mut player = Player::<C>::new(show).expect("room");
+    let mut player = Player::<COORDS>::new(show).expect("room");
     for sample in 1..show.length() {
         let middle_us = u64::from(sample) * 10_000;
         let mut at = |us: u64| play(&mut player, show.position_at_us(us));

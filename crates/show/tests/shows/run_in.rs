@@ -6,7 +6,7 @@ use sinew_show::{Joint, Rate, Show, ShowFrames};
 
 use crate::examples::example;
 
-const C: usize = 8;
+const COORDS: usize = 8;
 /// Ticks of the run-in, and their time.
 const TICKS: u32 = 400;
 const DT_S: f32 = 1.0 / 400.0;
@@ -23,7 +23,7 @@ fn it_moves_by_its_own_speeds_from_rest_into_the_show() {
         .write(&Settings::default())
         .bytes;
     let show = Show::open(&bytes).expect("a show");
-    let mut frames = ShowFrames::<C>::new(show, DT_S).expect("it plays");
+    let mut frames = ShowFrames::<COORDS>::new(show, DT_S).expect("it plays");
     let first = numbers(frames.frame(-1));
     let at_speed = numbers(frames.frame(0));
     assert!(at_speed[1].iter().any(|speed| speed.abs() > 0.5), "{at_speed:?}");

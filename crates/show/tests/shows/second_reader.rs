@@ -6,7 +6,7 @@ use crate::examples::example;
 use sinew_show::write::Settings;
 use sinew_show::{Joint, Player, Rate, Show};
 
-const C: usize = 32;
+const COORDS: usize = 32;
 
 #[test]
 fn a_reader_of_the_page_reads_the_same() {
@@ -31,7 +31,7 @@ fn a_reader_of_the_page_reads_the_same() {
         let file = folder.join(format!("second-reader-{seed}.show"));
         std::fs::write(&file, &bytes).expect("a folder for tests");
         let show = Show::open(&bytes).expect("a show");
-        let mut player = Player::<C>::new(show).expect("room");
+        let mut player = Player::<COORDS>::new(show).expect("room");
         let times_us: Vec<u64> = (0..60).map(|k| k * 230_117).collect();
         let samples = times_us.iter().map(|us| *us as f64 * 30_000.0 / 1001.0 / 1e6);
         let output = Command::new("python3")
@@ -50,7 +50,7 @@ fn a_reader_of_the_page_reads_the_same() {
         let (nq, nv) = (show.channel_count(), show.dof_count());
         for (line, us) in text.lines().zip(times_us) {
             let wanted: Vec<f64> = line.split(' ').map(|x| x.parse().expect("a number")).collect();
-            let (mut q, mut qd, mut qdd) = ([0.0; C], [0.0; C], [0.0; C]);
+            let (mut q, mut qd, mut qdd) = ([0.0; COORDS], [0.0; COORDS], [0.0; COORDS]);
             player.state_at(show.position_at_us(us), &mut q, &mut qd, &mut qdd).expect("whole");
             let found = q[..nq].iter().chain(&qd[..nv]).chain(&qdd[..nv]);
             let largest = wanted.iter().fold(1.0f64, |most, x| most.max(x.abs()));

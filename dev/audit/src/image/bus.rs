@@ -15,7 +15,7 @@ use super::{slice, slice_mut};
 const SERVOS: usize = 20;
 
 /// What a rig asks of a servo's registers.
-fn demand() -> ServoRequirements {
+fn requirements() -> ServoRequirements {
     black_box(ServoRequirements {
         mode: Mode::Current,
         range_rad: [1.0, 2.0],
@@ -41,7 +41,7 @@ fn serve(mut bus: impl ServoBus) {
     for command in black_box(commands) {
         black_box(&bus.command(black_box(1), command));
     }
-    bus.compare(black_box(Some((1, demand()))));
+    bus.compare(black_box(Some((1, requirements()))));
     black_box(&bus.plan(slice_mut()));
     black_box(&bus.plan_more(black_box(1), slice_mut()));
     black_box(bus.reply(slice()));
@@ -161,7 +161,7 @@ pub(crate) fn dynamixel_device() {
     item(table.named(black_box("")));
     item(table.items().last());
     black_box((table.size(), &table.indirect()));
-    black_box(settings::dynamixel(table, demand()).last());
+    black_box(settings::dynamixel(table, requirements()).last());
     let mut device = black_box(Device::<300>::new(table, black_box(1), slice_mut()));
     device.pass_time(black_box(1));
     device.memory_mut().set(black_box(1), black_box(1));
@@ -176,7 +176,7 @@ pub(crate) fn feetech_bus() {
     use feetech::{Bus, Family, Settings, traffic};
     let family = black_box(Family::Sts);
     let Some(schedule) = schedule(&black_box(traffic(family, black_box(1)))) else { return };
-    black_box(settings::feetech(family, demand()).last());
+    black_box(settings::feetech(family, requirements()).last());
     let settings = black_box(Settings { family, echo: true, retries: 1, speed_counts: 1 });
     if let Ok(bus) = Bus::<SERVOS>::new(slice(), schedule, settings) {
         serve(black_box(bus));

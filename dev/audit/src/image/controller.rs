@@ -48,7 +48,7 @@ pub(crate) fn ticks() {
         return;
     };
     let (setup, servo) = (slice::<ServoSetup>().first(), rig.servos().first());
-    black_box(setup.zip(servo).map(|(setup, servo)| setup.demand(&servo.servo)));
+    black_box(setup.zip(servo).map(|(setup, servo)| setup.requirements(&servo.servo)));
     black_box(&controller.load_show(black_box(Some(slice()))));
     let (crc, dt_s) = (black_box(1), controller.dt_s());
     controller.put_show(open_show(rig, crc, dt_s, slice()).ok());

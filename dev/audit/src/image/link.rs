@@ -3,7 +3,7 @@
 use core::hint::black_box;
 
 use sinew_link::message::{
-    Hello, Operator, Part, Parts, Pass, Snapshot, Stream, Telemetry, ToController, ToHost,
+    Hello, Operator, Parts, Pass, Snapshot, SnapshotPart, Stream, Telemetry, ToController, ToHost,
 };
 use sinew_link::{
     Coordinate, Decoder, LiveBuffer, LiveSettings, Message, Sender, Session, Window, encode, rate,
@@ -95,7 +95,9 @@ pub(crate) fn live() {
 pub(crate) fn telemetry() {
     let parts = black_box(Parts::SUMMARY).and(black_box(Parts::POSE));
     black_box(parts.has(black_box(Parts::ALL)));
-    if let Some(ToHost::Telemetry(Telemetry { part: Part::Summary(summary), .. })) = message() {
+    if let Some(ToHost::Telemetry(Telemetry { part: SnapshotPart::Summary(summary), .. })) =
+        message()
+    {
         black_box(summary.state.number());
         let (q, dofs, servos) = (slice(), slice(), slice());
         let snapshot = Snapshot { tick: black_box(1), summary: &summary, q, dofs, servos };

@@ -125,11 +125,11 @@ pub(crate) fn nodes() {
             let mail = Locked(Cell::new(Some(Mail::new(disarmed))));
             let (rig, tick_s, line_bps) = (Some((rig, black_box(1))), black_box(1.0), black_box(1));
             let setup = Setup { about, settings, is_bad, rig, tick_s, line_bps };
-            let mut desk = BackgroundTask::new(store, setup, black_box(1));
+            let mut background = BackgroundTask::new(store, setup, black_box(1));
             let ended = control.tick(&mut Board, &mail, &mut bus, &mut Anything, slice_mut());
             black_box((ended.is_ok(), control.controller().report()));
-            black_box(desk.step(&mut Board, &mail) == Next::Restart);
-            black_box(desk.store().condition());
+            black_box(background.step(&mut Board, &mail) == Next::Restart);
+            black_box(background.store().condition());
         },
     );
 }

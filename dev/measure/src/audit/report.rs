@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::rules::{Finding, Rule};
-use crate::elf::{Elf, Lines, Place};
+use crate::elf::{Elf, Lines, SourceLine};
 use sinew_steps::step;
 
 /// How many instructions of one function are shown that break a rule in the same way.
@@ -77,7 +77,7 @@ pub(super) fn findings(findings: &[Finding], elf: &Elf, lines: &Lines, parts: &[
         for at in addresses.iter().take(SHOWN) {
             let _ = write!(text, "  at {at:#x}");
             let places = lines.at(*at);
-            for (index, Place { function, file, line }) in places.iter().enumerate() {
+            for (index, SourceLine { function, file, line }) in places.iter().enumerate() {
                 let inlined = if index == 0 { " " } else { "\n    inlined in" };
                 let _ = write!(text, "{inlined} {}:{line} {function}", short(file));
             }

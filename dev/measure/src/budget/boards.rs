@@ -6,7 +6,7 @@ use anyhow::{Context as _, Result, bail, ensure};
 use sinew_image::{BOARDS, Board, EMULATED};
 use sinew_steps::image::{Image, built_in};
 
-use super::figures::{Figures, Place};
+use super::figures::{FigureKey, Figures};
 use super::images;
 use super::printed::{field, number};
 use super::tables;
@@ -53,7 +53,7 @@ fn of(boards: &[Board]) -> Result<Figures> {
 }
 
 /// Runs a board's image in QEMU, and returns the instructions of its ticks, on average and the most.
-fn instructions(board: Board) -> Result<Vec<(Place, u64)>> {
+fn instructions(board: Board) -> Result<Vec<(FigureKey, u64)>> {
     let output = qemu(board, &Image::of(board).path(), &["-icount", "shift=0"])?
         .output()
         .context("cannot start qemu-system-arm; run `cargo xtask setup`")?;
@@ -65,7 +65,7 @@ fn instructions(board: Board) -> Result<Vec<(Place, u64)>> {
     for line in text.lines() {
         let method = field(line, "method")?;
         for (column, of) in [("tick", "tick"), ("worst_tick", "worst")] {
-            figures.push((Place::new(SECTION, method, column), number(line, of)?));
+            figures.push((FigureKey::new(SECTION, method, column), number(line, of)?));
         }
     }
     Ok(figures)

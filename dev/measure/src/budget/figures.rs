@@ -4,7 +4,7 @@ use std::fmt;
 
 /// Where a number stands: `instructions.rnea_free_root.18`.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Place {
+pub(crate) struct FigureKey {
     /// What it counts, with its unit.
     pub(crate) section: String,
     /// What was measured.
@@ -13,7 +13,7 @@ pub(crate) struct Place {
     pub(crate) column: String,
 }
 
-impl Place {
+impl FigureKey {
     pub(crate) fn new(section: &str, row: &str, column: &str) -> Self {
         Self { section: section.to_owned(), row: row.to_owned(), column: column.to_owned() }
     }
@@ -25,7 +25,7 @@ impl Place {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FigureKey {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}.{}.{}", self.section, self.row, self.column)
     }
@@ -33,27 +33,30 @@ impl fmt::Display for Place {
 
 /// Numbers in the order in which they were measured.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(crate) struct Figures(Vec<(Place, u64)>);
+pub(crate) struct Figures(Vec<(FigureKey, u64)>);
 
 impl Figures {
     /// Adds a number to what stands at a place, if anything does.
-    pub(crate) fn add(&mut self, place: Place, number: u64) {
+    pub(crate) fn add(&mut self, place: FigureKey, number: u64) {
         match self.0.iter_mut().find(|(known, _)| *known == place) {
             Some((_, sum)) => *sum += number,
             None => self.0.push((place, number)),
         }
     }
 
-    pub(crate) fn get(&self, place: &Place) -> Option<u64> {
+    pub(crate) fn get(&self, place: &FigureKey) -> Option<u64> {
         self.0.iter().find(|(known, _)| known == place).map(|(_, number)| *number)
     }
 
-    pub(crate) fn iter(&self) -> impl Iterator<Item = (&Place, u64)> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (&FigureKey, u64)> {
         self.0.iter().map(|(place, number)| (place, *number))
     }
 
     /// Sections, or rows of one, or columns, each once, in order.
-    pub(crate) fn names<'a>(&'a self, name: impl Fn(&'a Place) -> Option<&'a str>) -> Vec<&'a str> {
+    pub(crate) fn names<'a>(
+        &'a self,
+        name: impl Fn(&'a FigureKey) -> Option<&'a str>,
+    ) -> Vec<&'a str> {
         let mut names = Vec::new();
         for name in self.0.iter().filter_map(|(place, _)| name(place)) {
             if !names.contains(&name) {
@@ -64,8 +67,8 @@ impl Figures {
     }
 }
 
-impl Extend<(Place, u64)> for Figures {
-    fn extend<I: IntoIterator<Item = (Place, u64)>>(&mut self, more: I) {
+impl Extend<(FigureKey, u64)> for Figures {
+    fn extend<I: IntoIterator<Item = (FigureKey, u64)>>(&mut self, more: I) {
         for (place, number) in more {
             self.add(place, number);
         }
@@ -73,7 +76,7 @@ impl Extend<(Place, u64)> for Figures {
 }
 
 impl IntoIterator for Figures {
-    type Item = (Place, u64);
+    type Item = (FigureKey, u64);
     type IntoIter = std::vec::IntoIter<Self::Item>;
 
     fn into_iter(self) -> Self::IntoIter {

@@ -6,7 +6,7 @@ use anyhow::{Context, Result, ensure};
 use serde::Deserialize;
 use toml_edit::{DocumentMut, InlineTable, Item, Table, value};
 
-use super::figures::{Figures, Place};
+use super::figures::{FigureKey, Figures};
 
 /// Its place in the workspace.
 pub(crate) const FILE: &str = "dev/bench/budget.toml";
@@ -32,7 +32,7 @@ pub(crate) struct Promise {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Verdict<'a> {
     pub(crate) promise: &'a Promise,
-    pub(crate) place: Place,
+    pub(crate) place: FigureKey,
     pub(crate) measured: u64,
     /// In the units of `measured`.
     pub(crate) bound: f64,
@@ -78,7 +78,7 @@ impl Budget {
             );
             for place in std::iter::once(&promise.figure).chain(&promise.times) {
                 ensure!(
-                    Place::parse(place).is_some(),
+                    FigureKey::parse(place).is_some(),
                     "{FILE}: `{place}` is no figure; it must be SECTION.ROW.COLUMN of [measured]"
                 );
             }
@@ -87,7 +87,7 @@ impl Budget {
     }
 
     /// What was accepted last at a place.
-    pub(crate) fn accepted(&self, place: &Place) -> Option<u64> {
+    pub(crate) fn accepted(&self, place: &FigureKey) -> Option<u64> {
         self.measured.get(&place.section)?.get(&place.row)?.get(&place.column).copied()
     }
 
@@ -96,8 +96,8 @@ impl Budget {
     /// # Errors
     /// If one is of a figure that was not measured: it would hold unseen.
     pub(crate) fn verdicts<'a>(&'a self, measured: &Figures) -> Result<Vec<Verdict<'a>>> {
-        let figure = |name: &str| -> Result<(Place, u64)> {
-            let place = Place::parse(name).with_context(|| format!("`{name}` is no figure"))?;
+        let figure = |name: &str| -> Result<(FigureKey, u64)> {
+            let place = FigureKey::parse(name).with_context(|| format!("`{name}` is no figure"))?;
             let number = measured
                 .get(&place)
                 .with_context(|| format!("{FILE} promises {name}, which was not measured"))?;
@@ -132,7 +132,7 @@ impl Budget {
         for (section, rows) in &self.measured {
             for (row, columns) in rows {
                 for column in columns.keys() {
-                    let place = Place::new(section, row, column);
+                    let place = FigureKey::new(section, row, column);
                     if measured.get(&place).is_none() {
                         changes.push(format!("{place} is in {FILE}, and was not measured"));
                     }
@@ -213,9 +213,9 @@ kernel = { 18 = 100 }
     fn figures(numbers: [u64; 3]) -> Figures {
         let [tick, large, kernel] = numbers;
         let mut figures = Figures::default();
-        figures.add(Place::new("instructions", "tick", "18"), tick);
-        figures.add(Place::new("instructions", "tick", "32"), large);
-        figures.add(Place::new("instructions", "kernel", "18"), kernel);
+        figures.add(FigureKey::new("instructions", "tick", "18"), tick);
+        figures.add(FigureKey::new("instructions", "tick", "32"), large);
+        figures.add(FigureKey::new("instructions", "kernel", "18"), kernel);
         figures
     }
 
@@ -232,7 +232,7 @@ kernel = { 18 = 100 }
         let budget = Budget::parse(&text).unwrap();
         let [fixed, each] = sinew_firmware::controller::TICK_CYCLES;
         for servos in [6, 20, 40] {
-            let place = Place::new("estimated_cycles", "loop_recommended", &servos.to_string());
+            let place = FigureKey::new("estimated_cycles", "loop_recommended", &servos.to_string());
             let measured = budget.accepted(&place).unwrap() as f64;
             let share = f64::from(fixed + each * servos) / measured;
             assert!((1.0..1.03).contains(&share), "{servos} servos: {share}");
@@ -287,7 +287,7 @@ kernel = { 18 = 100 }
     #[test]
     fn accepting_changes_figures_alone() {
         let mut measured = figures([1_234, 1_700, 100]);
-        measured.add(Place::new("bytes", "flash", "image"), 7);
+        measured.add(FigureKey::new("bytes", "flash", "image"), 7);
         let text = accepting(&TEXT.replace("kernel", "gone"), &measured).unwrap();
         let expected =
             TEXT.replace("{ 18 = 1_000, 32 = 1_700 }", "{ 18 = 1234, 32 = 1700 }").replace(

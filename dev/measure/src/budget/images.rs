@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use object::{Object, ObjectSection, ObjectSegment};
 
-use super::figures::{Figures, Place};
+use super::figures::{FigureKey, Figures};
 use super::stack;
 use crate::elf::Elf;
 use sinew_steps::image::Image;
@@ -58,16 +58,16 @@ pub(crate) fn build() -> Result<()> {
 const CORE_TICK: &str = "<sinew_bench::rig::Rig<18>>::tick";
 
 /// What the core alone takes: as an image, and of it what a tick can execute, with all constants.
-pub(crate) fn core_alone() -> Result<impl Iterator<Item = (Place, u64)>> {
+pub(crate) fn core_alone() -> Result<impl Iterator<Item = (FigureKey, u64)>> {
     let Image { name, .. } = CORE_ALONE;
     let image = CORE_ALONE.path();
-    let tick = (Place::new(SECTION, name, "tick"), reachable_bytes(&image, CORE_TICK)?);
+    let tick = (FigureKey::new(SECTION, name, "tick"), reachable_bytes(&image, CORE_TICK)?);
     Ok(size(name, &image, 0)?.chain([tick]))
 }
 
 /// What a tick of the whole loop can execute, with its constants, by the number of servos. Constants are those of all
 /// sizes together, without the rigs and shows that the image has among `figures`.
-pub(super) fn whole_loop(sizes: &[&str], figures: &Figures) -> Result<Vec<(Place, u64)>> {
+pub(super) fn whole_loop(sizes: &[&str], figures: &Figures) -> Result<Vec<(FigureKey, u64)>> {
     let Image { name, .. } = WHOLE_LOOP;
     let files = ["loop_rig_file", "loop_show_file"];
     let stored = figures.iter().filter(|(place, _)| files.contains(&place.row.as_str()));
@@ -75,7 +75,7 @@ pub(super) fn whole_loop(sizes: &[&str], figures: &Figures) -> Result<Vec<(Place
     let of_size = |size: &&str| {
         let bytes = reachable_bytes(&WHOLE_LOOP.path(), &format!("{name}::loop_tick::<{size}>"))?;
         let bytes = bytes.checked_sub(stored_bytes).context("the image has no rigs and shows")?;
-        Ok((Place::new("loop_flash_bytes", "loop_tick", size), bytes))
+        Ok((FigureKey::new("loop_flash_bytes", "loop_tick", size), bytes))
     };
     sizes.iter().map(of_size).collect()
 }
@@ -101,7 +101,7 @@ pub(crate) fn size(
     name: &str,
     image: &Path,
     show_bytes: u64,
-) -> Result<impl Iterator<Item = (Place, u64)> + use<>> {
+) -> Result<impl Iterator<Item = (FigureKey, u64)> + use<>> {
     let bytes = fs::read(image).with_context(|| format!("{}", image.display()))?;
     let file = object::File::parse(&*bytes)?;
     let (mut stored_bytes, mut static_ram_bytes) = (0, 0);
@@ -116,15 +116,15 @@ pub(crate) fn size(
         .checked_sub(show_bytes)
         .with_context(|| format!("{} is smaller than its show", image.display()))?;
     let columns = [("flash", flash_bytes), (STATIC_RAM, static_ram_bytes)];
-    Ok(columns.map(|(column, bytes)| (Place::new(SECTION, name, column), bytes)).into_iter())
+    Ok(columns.map(|(column, bytes)| (FigureKey::new(SECTION, name, column), bytes)).into_iter())
 }
 
 /// What RAM the image of a board that runs the node takes: the deepest that its stack can be, and all together with
 /// what is static.
-pub(crate) fn node(name: &str, image: &Path) -> Result<[(Place, u64); 2]> {
+pub(crate) fn node(name: &str, image: &Path) -> Result<[(FigureKey, u64); 2]> {
     let of_stack = stack::of_image(image)?;
-    let is_static = |(place, _): &(Place, u64)| place.column == STATIC_RAM;
+    let is_static = |(place, _): &(FigureKey, u64)| place.column == STATIC_RAM;
     let (_, of_statics) = size(name, image, 0)?.find(is_static).context("it has no RAM")?;
     Ok([("stack", of_stack), ("ram", of_statics + of_stack)]
-        .map(|(column, bytes)| (Place::new(SECTION, name, column), bytes)))
+        .map(|(column, bytes)| (FigureKey::new(SECTION, name, column), bytes)))
 }

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use anyhow::{Context, Result, bail, ensure};
 use sinew_image::EMULATED;
 
-use super::figures::{Figures, Place};
+use super::figures::{FigureKey, Figures};
 use super::hashes;
 use super::images::{BUS, DRIVES, KERNELS, SERVOS, SHOW, WHOLE_LOOP};
 use super::printed::{field, number};
@@ -107,13 +107,13 @@ pub(crate) struct Kernels {
     pub(crate) figures: Figures,
     pub(crate) executed: Vec<Kernel>,
     /// The deepest stack of each kind of tick.
-    pub(crate) stacks: Vec<(Place, Depth)>,
+    pub(crate) stacks: Vec<(FigureKey, Depth)>,
 }
 
 /// What the runs of a kernel executed.
 pub(crate) struct Kernel {
     /// Of its instructions.
-    pub(crate) place: Place,
+    pub(crate) place: FigureKey,
     pub(crate) runs: u64,
     /// All runs together, by function.
     pub(crate) mixes: BTreeMap<usize, Mix>,
@@ -143,7 +143,7 @@ impl Measured {
         let executed = executed(&elf, &trace, &text)?;
         let stacks = self.stacks(&elf)?;
         let mut figures = Figures::default();
-        let at = |section, place: &Place| Place::new(section, &place.row, &place.column);
+        let at = |section, place: &FigureKey| FigureKey::new(section, &place.row, &place.column);
         figures.extend(executed.iter().map(|kernel| (kernel.place.clone(), kernel.instructions())));
         let ticks = executed.iter().filter(|kernel| self.caller(&kernel.place.row).is_some());
         figures.extend(ticks.map(|tick| (at(WORST, &tick.place), tick.worst)));
@@ -160,7 +160,7 @@ impl Measured {
         self.callers.iter().find(|caller| row.starts_with(caller.rows))
     }
 
-    fn stacks(&self, elf: &Elf) -> Result<Vec<(Place, Depth)>> {
+    fn stacks(&self, elf: &Elf) -> Result<Vec<(FigureKey, Depth)>> {
         let frames = Frames::load(&self.image.path())?;
         let mut stacks = Vec::new();
         for Caller { name, .. } in self.callers {
@@ -168,7 +168,7 @@ impl Measured {
                 let symbol = format!("{}::{name}::<{bodies}>", self.image.name);
                 let root = elf.named(&symbol);
                 let root = root.with_context(|| format!("the image has no `{symbol}`"))?;
-                let place = Place::new(STATIC_STACK, name, bodies);
+                let place = FigureKey::new(STATIC_STACK, name, bodies);
                 stacks.push((place, deepest(elf, &frames, root)?));
             }
         }
@@ -180,7 +180,7 @@ impl Measured {
         for (place, painted) in figures.iter().filter(|(at, _)| at.section == PAINTED_STACK) {
             let caller = self.caller(&place.row);
             let tick = caller.with_context(|| format!("{place} is of no known tick"))?.name;
-            let bound = figures.get(&Place::new(STATIC_STACK, tick, &place.column));
+            let bound = figures.get(&FigureKey::new(STATIC_STACK, tick, &place.column));
             ensure!(
                 bound.is_some_and(|bound| painted <= bound + CLOSURES_BYTES),
                 "{place} is {painted} bytes, more than the frames of {tick} allow ({bound:?})"
@@ -207,7 +207,7 @@ fn executed(elf: &Elf, trace: &Trace, counted: &str) -> Result<Vec<Kernel>> {
             .with_context(|| format!("QEMU's log has too few runs of {name}"))?;
         left = others;
         let kernel = Kernel {
-            place: Place::new(INSTRUCTIONS, name, bodies),
+            place: FigureKey::new(INSTRUCTIONS, name, bodies),
             runs,
             mixes: trace.mixes(elf, these)?,
             worst: these.iter().map(|run| run.instructions).max().unwrap_or_default(),
@@ -235,10 +235,10 @@ fn printed(text: &str) -> Result<Figures> {
         };
         let (name, bodies) = (field(line, what)?, field(line, "bodies")?);
         let bytes = number(line, "bytes")?;
-        figures.add(Place::new(section, name, bodies), bytes);
+        figures.add(FigureKey::new(section, name, bodies), bytes);
         for (sum, parts) in SUMS {
             if section == TYPES && parts.contains(&name) {
-                sums.add(Place::new(section, sum, bodies), bytes);
+                sums.add(FigureKey::new(section, sum, bodies), bytes);
             }
         }
     }
@@ -273,7 +273,7 @@ mod tests {
              type=Workspace bodies=18 bytes=2500\n",
         )
         .unwrap();
-        let figure = |place: &str| figures.get(&Place::parse(place).unwrap());
+        let figure = |place: &str| figures.get(&FigureKey::parse(place).unwrap());
         assert_eq!(figure("painted_stack_bytes.tick_world.18"), Some(792));
         assert_eq!(figure("type_bytes.Tree.18"), Some(2752));
         assert_eq!(figure("type_bytes.state_and_workspace.18"), Some(2000 + 940 + 2500));

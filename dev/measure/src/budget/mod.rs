@@ -23,7 +23,7 @@ use sinew_steps::{arm, image, step};
 use trace::Mix;
 
 pub(crate) use boards::sizes;
-use figures::{Figures, Place};
+use figures::{FigureKey, Figures};
 use file::{Budget, FILE};
 
 /// The rig that promises are about.
@@ -107,8 +107,8 @@ fn print(figures: &Figures, budget: &Budget, measured: &[Kernels]) {
 const LARGEST: usize = 25;
 
 /// Where what was promised less of goes, function by function: instructions of a kernel, or bytes of an image.
-fn explain(place: &Place, measured: &[Kernels]) -> Result<()> {
-    let Place { section, row, column } = place;
+fn explain(place: &FigureKey, measured: &[Kernels]) -> Result<()> {
+    let FigureKey { section, row, column } = place;
     if section == images::SECTION {
         let elf = Elf::load(&image::path_of(arm::TARGET, row))?;
         let mut functions: Vec<_> = (0..elf.functions().len()).collect();
@@ -123,7 +123,7 @@ fn explain(place: &Place, measured: &[Kernels]) -> Result<()> {
     let all = measured
         .iter()
         .flat_map(|kernels| kernels.executed.iter().map(move |kernel| (&kernels.elf, kernel)));
-    let is_meant = |place: &Place| place.row == *row && place.column == *column;
+    let is_meant = |place: &FigureKey| place.row == *row && place.column == *column;
     if let Some((elf, Kernel { runs, mixes, .. })) =
         all.into_iter().find(|(_, kernel)| is_meant(&kernel.place))
     {

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::cycles::Kind;
-use super::figures::{Figures, Place};
+use super::figures::{FigureKey, Figures};
 use super::file::{Budget, Verdict, change};
 use super::trace::Mix;
 use crate::elf::Elf;
@@ -43,7 +43,7 @@ pub(crate) fn section(figures: &Figures, budget: Option<&Budget>, section: &str)
     for row in figures.names(|place| (place.section == section).then_some(&place.row)) {
         let mut cells = vec![row.to_owned()];
         for column in &columns {
-            let place = Place::new(section, row, column);
+            let place = FigureKey::new(section, row, column);
             let now = figures.get(&place);
             cells.push(now.map_or_else(|| "-".to_owned(), |now| now.to_string()));
             cells.push(match (budget.and_then(|budget| budget.accepted(&place)), now) {

@@ -10,7 +10,7 @@ pub(crate) struct Lines(Loader);
 
 /// A place in the source.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Place {
+pub(crate) struct SourceLine {
     /// The function, demangled.
     pub(crate) function: String,
     /// As the compiler was given it.
@@ -31,14 +31,14 @@ impl Lines {
 
     /// Where the instruction at an address comes from: the innermost function first, then those that it was inlined in.
     /// Nothing where the compiler has left no information.
-    pub(crate) fn at(&self, address: u64) -> Vec<Place> {
+    pub(crate) fn at(&self, address: u64) -> Vec<SourceLine> {
         let mut places = Vec::new();
         let Ok(mut frames) = self.0.find_frames(address) else { return places };
         while let Ok(Some(frame)) = frames.next() {
             let name = frame.function.and_then(|name| Some(name.raw_name().ok()?.into_owned()));
             let (file, line) =
                 frame.location.map_or((None, None), |location| (location.file, location.line));
-            places.push(Place {
+            places.push(SourceLine {
                 function: name.map_or_else(String::new, |name| super::demangled(&name)),
                 file: file.unwrap_or_default().to_owned(),
                 line: line.unwrap_or_default(),

@@ -15,7 +15,7 @@ use object::{Architecture, Object};
 
 pub(crate) use calls::{Call, Target};
 pub(crate) use disassembly::Instruction;
-pub(crate) use lines::{Lines, Place};
+pub(crate) use lines::{Lines, SourceLine};
 
 use disassembly::Disassembler;
 use text::Words;

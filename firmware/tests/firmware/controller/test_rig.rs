@@ -367,12 +367,12 @@ pub(crate) fn bench(kind: Kind, parts: &Parts) -> Bench<'static, Vec<Arm>> {
 /// What `sinew servo apply` writes.
 pub(crate) fn settings_of(kind: Kind, parts: &Parts, servo: usize) -> Vec<Setting> {
     let board = &figure(kind).board.servos()[servo];
-    let demand = parts.servos[servo].demand(&board.servo);
+    let requirements = parts.servos[servo].requirements(&board.servo);
     match kind {
         Kind::Current => {
             let model = MODELS.iter().find(|model| model.name == "XL330-M288").unwrap();
-            settings::dynamixel(Table { model, firmware: 52 }, demand).collect()
+            settings::dynamixel(Table { model, firmware: 52 }, requirements).collect()
         }
-        Kind::Position => settings::feetech(Family::Sts, demand).collect(),
+        Kind::Position => settings::feetech(Family::Sts, requirements).collect(),
     }
 }

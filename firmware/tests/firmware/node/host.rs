@@ -1,8 +1,8 @@
 //! A host: commands that are sent until they are answered, uploads, heartbeats, telemetry.
 
 use sinew_link::message::{
-    Applied, Block, Command, FaultRecord, Hello, Item, Numbered, Outcome, Part, Stream, Summary,
-    ToController, ToHost, Version, Welcome,
+    Applied, Block, Command, FaultRecord, Hello, Item, Numbered, Outcome, SnapshotPart, Stream,
+    Summary, ToController, ToHost, Version, Welcome,
 };
 use sinew_link::{Decoder, FRAME_MAX, Next, Sender, encode};
 
@@ -121,13 +121,13 @@ impl Host {
                 ToHost::Fault(fault) => self.faults.push(fault),
                 ToHost::Telemetry(telemetry) => {
                     let part = match telemetry.part {
-                        Part::Summary(summary) => {
+                        SnapshotPart::Summary(summary) => {
                             self.summaries.push(summary);
                             0
                         }
-                        Part::Pose { .. } => 1,
-                        Part::Dofs { .. } => 2,
-                        Part::Servos { .. } => 3,
+                        SnapshotPart::Pose { .. } => 1,
+                        SnapshotPart::Dofs { .. } => 2,
+                        SnapshotPart::Servos { .. } => 3,
                     };
                     self.parts[part] += 1;
                 }

@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{
-    Block, Command, Feed, Hello, Item, Kind as ItemKind, LiveFrame, Numbered, Operator, Parts,
-    Pass, Place, Stream, TelemetrySetting, ToController, Value, Version,
+    Block, Command, Feed, Hello, Item, Kind as ItemKind, LiveFrame, Location, Numbered, Operator,
+    Parts, Pass, Stream, TelemetrySetting, ToController, Value, Version,
 };
 
 use super::line::{Trouble, random};
@@ -112,7 +112,7 @@ impl Hostile {
                 Command::WriteSetting { key, value: Value::Number(self.number()) }
             }
             19 => Command::ReadFault { index: key },
-            20 => Command::AskStored(Place::Show { slot }),
+            20 => Command::AskStored(Location::Show { slot }),
             21 => Command::BeginUpload(self.item()),
             22 => {
                 let len = self.below(257) as usize;

@@ -2,7 +2,7 @@
 
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{
-    Applied, Command, Item, Kind as ItemKind, Outcome, Place, Refusal, Value,
+    Applied, Command, Item, Kind as ItemKind, Location, Outcome, Refusal, Value,
 };
 
 use super::line::Trouble;
@@ -107,7 +107,7 @@ fn older_settings_do_not_count_where_newer_ones_are_damaged() {
     let settings = settings(KIND).with(6, 8.0).unwrap().bytes();
     let mut same = item(ItemKind::Settings, &settings, rig(KIND).1);
     same.approver = "host, one setting".try_into().unwrap();
-    assert_eq!(world.ask(Command::AskStored(Place::Settings)), stored(&same));
+    assert_eq!(world.ask(Command::AskStored(Location::Settings)), stored(&same));
     assert_eq!(world.upload(&same, &settings), stored(&same));
     world.connect();
     world.until(State::Limp, 2.0);

@@ -1,6 +1,8 @@
 //! Power fails at every step of flash, with the whole node over it: old or new, never neither.
 
-use sinew_link::message::{Applied, Command, FaultReport, Kind as ItemKind, Outcome, Place, Value};
+use sinew_link::message::{
+    Applied, Command, FaultReport, Kind as ItemKind, Location, Outcome, Value,
+};
 
 use sinew_storage::Kind as Stored;
 
@@ -23,7 +25,8 @@ struct Seen {
 }
 
 fn look(world: &mut World) -> Seen {
-    let places = [Place::Rig, Place::Settings, Place::Show { slot: 0 }, Place::Show { slot: 1 }];
+    let places =
+        [Location::Rig, Location::Settings, Location::Show { slot: 0 }, Location::Show { slot: 1 }];
     let setting = world.ask(Command::ReadSetting { key: 6 });
     let items = places.map(|place| world.ask(Command::AskStored(place)));
     let Outcome::Applied(Applied::Fault(FaultReport { count, record })) =
@@ -97,7 +100,7 @@ fn cut_everywhere(base: &MockFlash, mut act: impl FnMut(&mut World)) {
 }
 
 fn is_damaged(world: &mut World) -> bool {
-    let store = world.board.desk.store();
+    let store = world.board.background.store();
     [Stored::Settings, Stored::Rig].into_iter().any(|kind| store.is_damaged(kind).unwrap())
 }
 

@@ -2,7 +2,7 @@
 
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{
-    self, Applied, Command, Feed, Kind as ItemKind, Outcome, Parts, Place, Refusal,
+    self, Applied, Command, Feed, Kind as ItemKind, Location, Outcome, Parts, Refusal,
     TelemetrySetting, Value,
 };
 
@@ -29,7 +29,7 @@ fn a_blank_board_gets_a_rig_settings_and_a_show_and_plays_it() {
     assert_eq!(world.upload(&rig_item, &bytes), stored);
     world.connect();
     assert_eq!((world.starts, world.host.welcome.unwrap().about.rig), (2, crc));
-    assert_eq!(world.ask(Command::AskStored(Place::Rig)), stored);
+    assert_eq!(world.ask(Command::AskStored(Location::Rig)), stored);
 
     let settings = settings(kind).with(6, 8.0).unwrap().bytes();
     let settings_item = item(ItemKind::Settings, &settings, crc);

@@ -24,7 +24,7 @@ type Loop = ControlLoop<'static, 8, 8, 8, 8>;
 /// The board from one power-on to the next.
 pub(crate) struct Board {
     pub(crate) control: Option<(Loop, Bus)>,
-    pub(crate) desk: BackgroundTask<'static, Chip, 8, 8, 8, 8>,
+    pub(crate) background: BackgroundTask<'static, Chip, 8, 8, 8, 8>,
     pub(crate) mail: Locked,
 }
 
@@ -76,7 +76,7 @@ fn boot(kind: Kind, chip: &Chip, first_session: u16, causes: FaultSet) -> Option
     let setup = Setup { about: ABOUT, settings, is_bad, rig, tick_s, line_bps };
     Some(Board {
         control,
-        desk: BackgroundTask::new(found.store, setup, first_session),
+        background: BackgroundTask::new(found.store, setup, first_session),
         mail: Locked(RefCell::new(Mail::new(found.disarmed))),
     })
 }
@@ -241,7 +241,7 @@ impl World {
                 host,
                 chip,
             };
-            if board.desk.step(&mut port, &board.mail) == Next::Restart {
+            if board.background.step(&mut port, &board.mail) == Next::Restart {
                 self.is_dead = !self.restart();
                 return;
             }

@@ -217,13 +217,13 @@ fn methods_and_controllers() {
     refused(none, &E::EmptyTree, &["no bodies"]);
     let of_chain = References::new(&tree, &[None, None, Some(1)]).expect("an ancestor");
     let in_fork = TorqueController::new(other.clone(), gains(), Method::Accumulated(of_chain));
-    refused(in_fork, &E::References(not_ancestor(2, 1)), &["another tree", "joint 2"]);
+    refused(in_fork, &E::References(not_ancestor(2, 1)), &["do not match", "joint 2"]);
     let settings = Compensation::default();
     let aims = Aims::heaviest_child(&chain());
     let in_fork = Method::LinearCompensation { aims, settings };
     let not_a_child = AimsError::NotAChild { body: 1, child: 2 };
     let refusal = TorqueController::new(other, gains(), in_fork);
-    refused(refusal, &E::Aims(not_a_child), &["another tree", "body 1"]);
+    refused(refusal, &E::Aims(not_a_child), &["do not match", "body 1"]);
     let settings = Compensation { beta: f32::NAN, ..settings };
     let aims = Aims::heaviest_child(&tree);
     let nan = new(Method::LinearCompensation { aims, settings });

@@ -435,7 +435,7 @@ fn what_a_method_has_no_use_for_is_refused() {
     let projects = tracker(Settings::recommended(), 0);
     projects.with_ranges(&ranges).unwrap().with_weights(&weights).unwrap();
 
-    for sharing in [Sharing::Alike, Sharing::Importance, Sharing::Accelerations] {
+    for sharing in [Sharing::Uniform, Sharing::Importance, Sharing::Accelerations] {
         let settings = Settings { sharing, ..world() };
         let plain = TorqueSupply::new(&arm(), 5.0).unwrap();
         let weighed = plain.clone().with_weights(&[1.0; JOINTS]).unwrap();

@@ -8,8 +8,8 @@ fn state(r: &mut Random) -> State {
     State::ALL[r.below(State::ALL.len())]
 }
 
-fn place(r: &mut Random) -> Place {
-    [Place::Settings, Place::Rig, Place::Show { slot: r.bits() as u8 }][r.below(3)]
+fn place(r: &mut Random) -> Location {
+    [Location::Settings, Location::Rig, Location::Show { slot: r.bits() as u8 }][r.below(3)]
 }
 
 fn item(r: &mut Random) -> Item {
@@ -264,13 +264,13 @@ pub(crate) fn servo(r: &mut Random) -> Servo {
     }
 }
 
-fn part(r: &mut Random) -> Part {
+fn part(r: &mut Random) -> SnapshotPart {
     let first = r.bits() as u8;
     match r.below(4) {
-        0 => Part::Summary(summary(r)),
-        1 => Part::Pose { first, q: r.list(Random::finite) },
-        2 => Part::Dofs { first, dofs: r.list(dof) },
-        _ => Part::Servos { first, servos: r.list(servo) },
+        0 => SnapshotPart::Summary(summary(r)),
+        1 => SnapshotPart::Pose { first, q: r.list(Random::finite) },
+        2 => SnapshotPart::Dofs { first, dofs: r.list(dof) },
+        _ => SnapshotPart::Servos { first, servos: r.list(servo) },
     }
 }
 

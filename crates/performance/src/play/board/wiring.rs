@@ -1,6 +1,6 @@
 //! What a board stores of a rig: its compact form, and behind it how its servos hang on the board.
 
-use sinew_wiring::{LINES, Line, Servo, Wiring};
+use sinew_wiring::{BusLine, LINES, Servo, Wiring};
 
 use super::node::RIG_ROOM;
 use crate::play::line_setup::LineSetup;
@@ -52,7 +52,7 @@ impl Parts {
         for (line, setup) in self.lines.iter().zip(&setups) {
             let load = line.load(&self.servos);
             let (protocol, timing, traffic) = (setup.protocol(), load.timing, load.traffic);
-            wiring.lines.push(Line { protocol, timing, traffic }).ok()?;
+            wiring.lines.push(BusLine { protocol, timing, traffic }).ok()?;
         }
         for (part, setup) in self.servos.iter().zip(&self.setups) {
             let (line, place) = part.place;

@@ -18,7 +18,7 @@ use crate::{
     Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
 };
 
-impl<const S: usize> ServoBus for Bus<S> {
+impl<const SERVOS: usize> ServoBus for Bus<SERVOS> {
     fn len(&self) -> usize {
         self.servos.len()
     }
@@ -35,7 +35,7 @@ impl<const S: usize> ServoBus for Bus<S> {
         self.note_silence();
         let written = self.write_all_goals(out)?;
         let rest = out.get_mut(written..).unwrap_or_default();
-        let mut ids: Vec<u8, S> = Vec::new();
+        let mut ids: Vec<u8, SERVOS> = Vec::new();
         for (index, servo) in self.servos.iter().enumerate() {
             let is_asked = self.schedule.reads(self.tick, index) && !servo.is_left_out;
             if is_asked && ids.push(servo.setup.id).is_err() {
@@ -129,7 +129,7 @@ impl<const S: usize> ServoBus for Bus<S> {
     }
 
     fn compare(&mut self, asked: Option<(usize, ServoRequirements)>) {
-        self.comparison = asked.map(|(servo, demand)| Comparison::new(servo, demand));
+        self.comparison = asked.map(|(servo, requirements)| Comparison::new(servo, requirements));
     }
 
     fn compared(&self) -> Compared {
@@ -169,7 +169,7 @@ fn take_packet(
                 servo.take(&status, address, length);
                 *awaits = Awaits::Nothing;
                 let Some(comparison) = comparison.as_mut() else { return };
-                let settings = settings_of(servo, comparison.demand);
+                let settings = settings_of(servo, comparison.requirements);
                 let is_asked = comparison.servo == index
                     && comparison.next(settings.clone()) == Some((address, length));
                 // With an error what stands there is no register.

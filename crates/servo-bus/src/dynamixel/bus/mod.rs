@@ -21,15 +21,15 @@ use lengths::{LONGEST, SLOW_LEN};
 use servo::{Goals, Servo};
 pub use setup::{Mode, ServoSetup, Settings, traffic};
 
-/// Up to `S` servos. All is written by sync write, which nobody answers, whatever the Status Return Level (68).
+/// Up to `SERVOS` servos. All is written by sync write, which nobody answers, whatever the Status Return Level (68).
 ///
 /// With torque off goes what stops a servo later, if it hears nothing any more: its Bus Watchdog (98), 100 ms, which
 /// counts while torque is on. So it is set, and can be read back, before torque comes on. One that has run out is
 /// cleared first. While torque is on it is read in the time that is left: see
 /// [`Health::has_stopped`](crate::Health::has_stopped).
 #[derive(Debug, Clone)]
-pub struct Bus<const S: usize> {
-    servos: Vec<Servo, S>,
+pub struct Bus<const SERVOS: usize> {
+    servos: Vec<Servo, SERVOS>,
     schedule: Schedule,
     settings: Settings,
     parser: Parser<LONGEST>,
@@ -64,7 +64,7 @@ enum Awaits {
     },
 }
 
-impl<const S: usize> Bus<S> {
+impl<const SERVOS: usize> Bus<SERVOS> {
     /// A bus of these servos.
     ///
     /// # Errors
@@ -100,7 +100,7 @@ impl<const S: usize> Bus<S> {
     /// As [`Self::new`].
     pub fn check(setups: &[ServoSetup], schedule: &Schedule) -> Result<(), SetupError> {
         let servo_of = |setup| Servo::new(setup, schedule);
-        check_servos::<_, _, S>(setups, |setup| setup.id, MAX_ID, servo_of)
+        check_servos::<_, _, SERVOS>(setups, |setup| setup.id, MAX_ID, servo_of)
     }
 
     /// Writes one packet behind `from` for all servos that have such a goal, and says where it ends.
@@ -231,7 +231,7 @@ impl<const S: usize> Bus<S> {
     ) -> Result<Option<Request>, EncodeError> {
         let next = self.comparison.as_ref().and_then(|comparison| {
             let servo = self.servos.get(comparison.servo)?;
-            Some((comparison.servo, comparison.next(settings_of(servo, comparison.demand))?))
+            Some((comparison.servo, comparison.next(settings_of(servo, comparison.requirements))?))
         });
         let Some((servo, registers)) = next else { return Ok(None) };
         let request = self.ask_one(servo, registers, left_us, out)?;
@@ -281,7 +281,7 @@ impl<const S: usize> Bus<S> {
 /// What a servo must hold in its registers. Where they are does not depend on the firmware.
 fn settings_of(
     servo: &Servo,
-    demand: ServoRequirements,
+    requirements: ServoRequirements,
 ) -> impl Iterator<Item = Setting> + Clone + use<> {
-    settings::dynamixel_limp(Table { model: servo.setup.model, firmware: u8::MAX }, demand)
+    settings::dynamixel_limp(Table { model: servo.setup.model, firmware: u8::MAX }, requirements)
 }

@@ -15,7 +15,7 @@ use crate::{
     Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
 };
 
-impl<const S: usize> ServoBus for Bus<S> {
+impl<const SERVOS: usize> ServoBus for Bus<SERVOS> {
     fn len(&self) -> usize {
         self.servos.len()
     }
@@ -31,7 +31,7 @@ impl<const S: usize> ServoBus for Bus<S> {
     fn plan(&mut self, out: &mut [u8]) -> Result<Request, EncodeError> {
         let written = self.write_all_goals(out)?;
         let rest = out.get_mut(written..).unwrap_or_default();
-        let mut ids: Vec<u8, S> = Vec::new();
+        let mut ids: Vec<u8, SERVOS> = Vec::new();
         let mut first = None;
         for (index, servo) in self.servos.iter().enumerate() {
             if self.schedule.reads(self.tick, index)
@@ -125,7 +125,8 @@ impl<const S: usize> ServoBus for Bus<S> {
     }
 
     fn compare(&mut self, asked: Option<(usize, ServoRequirements)>) {
-        self.registers.comparison = asked.map(|(servo, demand)| Comparison::new(servo, demand));
+        self.registers.comparison =
+            asked.map(|(servo, requirements)| Comparison::new(servo, requirements));
     }
 
     fn compared(&self) -> Compared {
@@ -172,7 +173,7 @@ impl Registers {
         };
         if id_of(comparison.servo).is_some_and(|id| status.answers(id, length.into())) {
             self.awaited = None;
-            let settings = settings::feetech_limp(family, comparison.demand);
+            let settings = settings::feetech_limp(family, comparison.requirements);
             comparison.take(settings, family.order(), address, status.data);
         }
     }

@@ -21,7 +21,7 @@ const LONGEST: usize = 32;
 /// Time and PWM share an address; bit 10 is the sign of PWM.
 const PWM_ADDRESS: u8 = 44;
 
-/// Up to `S` servos.
+/// Up to `SERVOS` servos.
 ///
 /// A goal position switches a servo's torque on by itself. So none is sent before
 /// [`Command::Torque`](crate::Command::Torque) has, nor after it was taken back.
@@ -29,8 +29,8 @@ const PWM_ADDRESS: u8 = 44;
 /// SCS servos know no sync read: they are asked one by one. Response level (8) may be 0 or 1: only reads are asked
 /// for an answer.
 #[derive(Debug, Clone)]
-pub struct Bus<const S: usize> {
-    servos: Vec<Servo, S>,
+pub struct Bus<const SERVOS: usize> {
+    servos: Vec<Servo, SERVOS>,
     schedule: Schedule,
     settings: Settings,
     parser: Parser<LONGEST>,
@@ -52,7 +52,7 @@ struct Registers {
     awaited: Option<(u16, u16)>,
 }
 
-impl<const S: usize> Bus<S> {
+impl<const SERVOS: usize> Bus<SERVOS> {
     /// A bus of these servos.
     ///
     /// # Errors
@@ -91,7 +91,7 @@ impl<const S: usize> Bus<S> {
         settings: Settings,
     ) -> Result<(), SetupError> {
         let servo_of = |setup| Servo::new(setup, settings.family, schedule);
-        check_servos::<_, _, S>(setups, |setup| setup.id, MAX_ID, servo_of)
+        check_servos::<_, _, SERVOS>(setups, |setup| setup.id, MAX_ID, servo_of)
     }
 
     /// Writes one packet behind `from` for all servos that have such a goal, and says where it ends.
@@ -176,7 +176,8 @@ impl<const S: usize> Bus<S> {
         let family = self.settings.family;
         let next = self.registers.comparison.as_ref().and_then(|comparison| {
             let id = self.servos.get(comparison.servo)?.setup.id;
-            let registers = comparison.next(settings::feetech_limp(family, comparison.demand))?;
+            let registers =
+                comparison.next(settings::feetech_limp(family, comparison.requirements))?;
             Some((id, registers))
         });
         let Some((id, registers)) = next else { return Ok(None) };

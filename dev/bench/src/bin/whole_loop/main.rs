@@ -49,7 +49,7 @@ trait Ticks {
     fn tick(&mut self) -> Result<(), &'static str>;
 }
 
-impl<const B: usize, const N: usize> Ticks for TestRig<'_, B, N> {
+impl<const BODIES: usize, const N: usize> Ticks for TestRig<'_, BODIES, N> {
     #[expect(
         clippy::inline_always,
         reason = "the frame of the function that is measured has it all"
@@ -69,17 +69,19 @@ fn main() -> ! {
     })
 }
 
-fn measure<const B: usize, const N: usize>((rig, show): (&[u8], &[u8])) -> Result<(), &'static str>
+fn measure<const BODIES: usize, const N: usize>(
+    (rig, show): (&[u8], &[u8]),
+) -> Result<(), &'static str>
 where
-    Servos<N>: for<'a> Of<TestRig<'a> = TestRig<'a, B, N>>,
+    Servos<N>: for<'a> Of<TestRig<'a> = TestRig<'a, BODIES, N>>,
 {
     let crc = u32::from_le_bytes(*rig.last_chunk().ok_or("there is no rig")?);
-    let board = Rig::<B, N>::decode(rig).map_err(|_| "the rig cannot be read")?;
+    let board = Rig::<BODIES, N>::decode(rig).map_err(|_| "the rig cannot be read")?;
     let mut test_rig = TestRig::new(&board, crc, show)?;
     count_tick::<N, _>("loop_recommended", |_| loop_tick::<N>(&mut test_rig))?;
     for (name, bytes) in [
-        ("loop_controller", size_of::<MotionController<B, N>>()),
-        ("loop_rig", size_of::<Rig<B, N>>()),
+        ("loop_controller", size_of::<MotionController<BODIES, N>>()),
+        ("loop_rig", size_of::<Rig<BODIES, N>>()),
         ("loop_bus", size_of::<Bus<N>>()),
         // Stored, not in RAM.
         ("loop_rig_file", rig.len()),

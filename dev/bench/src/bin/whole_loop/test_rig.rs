@@ -22,8 +22,9 @@ use sinew_servo_bus::{
 };
 
 /// The arm's compact form.
-pub(crate) type Rig<const B: usize, const N: usize> = BoardRig<B, N, N>;
-pub(crate) type MotionController<'a, const B: usize, const N: usize> = Loop<'a, B, N, N, N>;
+pub(crate) type Rig<const BODIES: usize, const N: usize> = BoardRig<BODIES, N, N>;
+pub(crate) type MotionController<'a, const BODIES: usize, const N: usize> =
+    Loop<'a, BODIES, N, N, N>;
 pub(crate) type Bus<const N: usize> = dynamixel::Bus<N>;
 
 /// All servos are read in every tick.
@@ -44,8 +45,8 @@ const STALL_NM: f32 = 0.52;
 const PATIENCE: u32 = 400;
 
 /// Controller, bus, and what servos answer.
-pub(crate) struct TestRig<'a, const B: usize, const N: usize> {
-    controller: MotionController<'a, B, N>,
+pub(crate) struct TestRig<'a, const BODIES: usize, const N: usize> {
+    controller: MotionController<'a, BODIES, N>,
     bus: Unregistered<N>,
     answers: Answers<N>,
     ticks: u32,
@@ -80,10 +81,10 @@ impl<const L: usize> Answer<L> {
     }
 }
 
-impl<'a, const B: usize, const N: usize> TestRig<'a, B, N> {
+impl<'a, const BODIES: usize, const N: usize> TestRig<'a, BODIES, N> {
     /// An arm that plays this show.
     pub(crate) fn new(
-        rig: &'a Rig<B, N>,
+        rig: &'a Rig<BODIES, N>,
         rig_crc: u32,
         show: &'a [u8],
     ) -> Result<Self, &'static str> {
@@ -114,7 +115,7 @@ impl<'a, const B: usize, const N: usize> TestRig<'a, B, N> {
     }
 
     /// Servos that are at home, and stay there.
-    fn until_it_plays(&mut self, rig: &Rig<B, N>, table: Table) -> Result<(), &'static str> {
+    fn until_it_plays(&mut self, rig: &Rig<BODIES, N>, table: Table) -> Result<(), &'static str> {
         let homes: [f32; N] = array::from_fn(|index| {
             let own = rig.servos()[index].servo.settings();
             own.gear * rig.dofs()[index].home + own.offset_rad
@@ -145,7 +146,7 @@ impl<'a, const B: usize, const N: usize> TestRig<'a, B, N> {
                 _ => None,
             };
             let answers = &mut self.answers;
-            let mut wire = Asked { devices: &mut devices, answers, is_first: true };
+            let mut wire = DeviceWire { devices: &mut devices, answers, is_first: true };
             tick(&mut self.controller, &mut self.bus, &mut wire, &mut self.ticks, command)?;
         }
         Err("it does not play")
@@ -173,8 +174,8 @@ impl<'a, const B: usize, const N: usize> TestRig<'a, B, N> {
 /// One tick, as a board's loop has it.
 #[expect(clippy::inline_always, reason = "the frame of the function that is measured has it all")]
 #[inline(always)]
-fn tick<const B: usize, const N: usize>(
-    controller: &mut MotionController<'_, B, N>,
+fn tick<const BODIES: usize, const N: usize>(
+    controller: &mut MotionController<'_, BODIES, N>,
     bus: &mut Unregistered<N>,
     wire: &mut impl Wire,
     ticks: &mut u32,
@@ -190,13 +191,13 @@ fn tick<const B: usize, const N: usize>(
 }
 
 /// Servos that are asked, and what they answer is kept.
-struct Asked<'s, 'm, const N: usize> {
+struct DeviceWire<'s, 'm, const N: usize> {
     devices: &'s mut [Device<'m, 256>],
     answers: &'s mut Answers<N>,
     is_first: bool,
 }
 
-impl<const N: usize> Wire for Asked<'_, '_, N> {
+impl<const N: usize> Wire for DeviceWire<'_, '_, N> {
     fn exchange(&mut self, bytes: &[u8], _: u32, mut reply: impl FnMut(&[u8]) -> bool) {
         let mut answer = Answer::<ROOM>::NONE;
         Line::new(self.devices).exchange(bytes, &mut [0; ROOM], |said, _| {

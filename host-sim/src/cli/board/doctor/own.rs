@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use sinew_firmware::node::{RIG_SCHEMA, SETTINGS_SCHEMA, SHOW_SCHEMA};
-use sinew_link::message::{Cycles, Health, Item, Parts as Told, Place, State, Version};
+use sinew_link::message::{Cycles, Health, Item, Location, Parts as Told, State, Version};
 use sinew_performance::play::Parts;
 
 use super::findings::Findings;
@@ -79,9 +79,11 @@ fn crc(parts: &Parts) -> Option<u32> {
 
 fn stored(board: &mut PortBoard, findings: &mut Findings) -> anyhow::Result<()> {
     let slots = board.about().capacities.slots;
-    let places =
-        [("stored rig", Place::Rig, RIG_SCHEMA), ("settings", Place::Settings, SETTINGS_SCHEMA)];
-    let shows = (0..slots).map(|slot| ("show", Place::Show { slot }, SHOW_SCHEMA));
+    let places = [
+        ("stored rig", Location::Rig, RIG_SCHEMA),
+        ("settings", Location::Settings, SETTINGS_SCHEMA),
+    ];
+    let shows = (0..slots).map(|slot| ("show", Location::Show { slot }, SHOW_SCHEMA));
     for (what, place, schema) in places.into_iter().chain(shows) {
         let Some(Item { schema: found, length, approver, .. }) = board.stored(place)? else {
             continue;
