@@ -23,7 +23,8 @@
 //! - `controller/`: `controller` is the tick. It joins `watch` (all detectors), `feed` (show, live, jog, hold, rest),
 //!   `path` (blends, range, speed, acceleration), `performance` (tracker and drives) and `output` (guard, bus).
 //!   `registers` compares what servos hold before they are armed; `wire` is the board's part of a tick.
-//! - `node/`: `control` is the control loop, `background_task` serves host link and storage, `mail` is between them.
+//! - `node/`: `control` is the control loop, `background_task` serves host link and storage, `mail` is between them,
+//!   `pending` has work under way.
 //!   `start` reads flash at power-on; `settings` has a key for each number; `board` is what hardware provides.
 
 #![no_std]

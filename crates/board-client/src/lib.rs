@@ -8,7 +8,7 @@
 //! - [`Line`] is bytes out and bytes in, with a clock; [`SerialBoard`] is one on a serial port.
 //! - [`Board`] is a session on it: [`Board::ask`] sends a command until it is answered, [`Board::step`] takes what
 //!   comes and says every 50 ms that the host is there.
-//! - [`Seen`] is what telemetry has told, put together again.
+//! - [`TelemetryLog`] is what telemetry has told, put together again.
 //! - [`Board::upload`] brings rigs, settings and shows, block by block, and goes on where it was interrupted.
 //! - [`BoardServos`]: the controller passes packets on while its rig is limp.
 //! - [`port`]: which ports have a controller, and what a port is that has none.
@@ -22,6 +22,13 @@
 //! board.ask(Command::Arm)?;
 //! # Ok::<(), sinew_board_client::ClientError>(())
 //! ```
+//!
+//! # Files
+//! - `board`, `upload`: a session; items that a board stores.
+//! - `line`, `port`: bytes to a board and back; serial ports that have a board.
+//! - `servos`: a board as a line of servos.
+//! - `telemetry_log`: telemetry and faults that arrived.
+//! - `error`: errors of a session.
 
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
@@ -39,5 +46,5 @@ pub use board::{Board, nonce};
 pub use error::ClientError;
 pub use line::{Line, SerialBoard};
 pub use servos::BoardServos;
-pub use telemetry_log::{Seen, TimedPose};
+pub use telemetry_log::{TelemetryLog, TimedPose};
 pub use upload::item;

@@ -13,7 +13,7 @@ pub struct TimedPose {
 
 /// Telemetry, its frames put together again, and faults as they came.
 #[derive(Debug, Clone, Default)]
-pub struct Seen {
+pub struct TelemetryLog {
     /// The tick of the last frame.
     pub tick: u32,
     /// The newest summary.
@@ -35,7 +35,7 @@ pub struct Seen {
     next: Option<u16>,
 }
 
-impl Seen {
+impl TelemetryLog {
     /// Takes a frame: what it tells takes the place of what was there.
     pub(crate) fn take(&mut self, Telemetry { seq, tick, part }: Telemetry) {
         if let Some(next) = self.next {

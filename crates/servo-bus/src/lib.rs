@@ -57,8 +57,8 @@
 //! - Elementary arithmetic only, in f32 and integers: same bits on every machine.
 //!
 //! # Files
-//! - `servo_bus`, `servo_state`, `plausible`: what a rig needs of a bus; a bus's knowledge of one servo; readings to
-//!   believe.
+//! - `servo_bus`, `servo_state`, `plausible`, `counts`: what a rig needs of a bus; a bus's knowledge of one servo;
+//!   readings to believe; numbers in counts.
 //! - `schedule`: the rate that a bus allows, and which servos are read in which tick.
 //! - `table`, `settings`, `compare`: control tables as data; the registers that a rig requires; their comparison.
 //! - `dynamixel/`, `feetech/`, each: `frame`, `instruction`, `status`, `parser`; `table/` (models and registers);

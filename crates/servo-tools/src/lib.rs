@@ -27,6 +27,16 @@
 //!
 //! Registers speak as servos count: zero where the encoder counts zero. A rig's own positions count from the middle of
 //! the encoder: [`rig_servo::own_rad`] is between the two.
+//!
+//! # Files
+//! - `exchange`, `port`: a line of servos; a serial port as a line.
+//! - `client`, `protocol`, `reply`, `ping_reply`: packets and retries; the servos' protocol; replies in what was heard.
+//! - `servo`, `table`, `registers`, `quantity`, `store`: a servo that answered; its registers; reads and writes by name;
+//!   numbers as people read them; writes that are verified.
+//! - `scan`, `address`, `identify`, `watch`: search; ids and baud rates; a servo that shows itself; measurements.
+//! - `rig_servo`, `desired`, `compare`: servos of a rig file; the registers that it requires; the difference.
+//! - `calibrate`, `rig_file`: ranges found by hand; the rig file with these ranges.
+//! - `error`: errors of all tools.
 
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

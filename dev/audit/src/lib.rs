@@ -1,5 +1,9 @@
 //! What the images of `cargo xtask audit` share: values that the compiler knows nothing of, and a panic handler that
 //! does not exist.
+//!
+//! # Files
+//! - `main`, `image/`: the image of everything that a board may call, one file for each crate or subject.
+//! - `bin/faults`: the image of faults that the audit must find.
 
 #![no_std]
 

@@ -1,6 +1,11 @@
 //! What the benches work on: rigs of any number of bodies, and motions of them.
 //!
 //! Everything follows from the number of bodies alone, so that a host and a board measure the same work.
+//!
+//! # Files
+//! - `rig`, `servo`, `show`: a rig and its tick; rigs of servos; a show of 20 servos.
+//! - `emulated/`: counts and stack depth on QEMU.
+//! - `bin/`: one image for each group of measurements.
 
 #![no_std]
 

@@ -4,6 +4,10 @@
 //! - [`replay`]: a stand-in for servos, so that any machine can perform a show without any, and a hash of its torques;
 //! - [`decode`]: a show that any machine can decode, and a hash of each second;
 //! - [`answer`]: each of them, as the program `parity` does on a host and as an image for an emulated board.
+//!
+//! # Files
+//! - `run`, `replay`, `decode`, `play`: the four requests.
+//! - `host`, `image`, `files`: the program on a host; the image for QEMU; files of the host by semihosting.
 
 #![no_std]
 #![forbid(unsafe_code)]

@@ -1,4 +1,9 @@
 //! Reads images of boards: `cargo xtask firmware`, `budget` and `audit` build them and start this.
+//!
+//! # Files
+//! - `elf/`: functions, instructions and calls of an image.
+//! - `budget/`: instructions, stack, flash and RAM against the committed file.
+//! - `audit/`: the search for what a board's program must not contain.
 
 mod audit;
 mod budget;

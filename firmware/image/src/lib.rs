@@ -5,6 +5,10 @@
 //! ```no_run
 //! sinew_image::board(&[]);
 //! ```
+//!
+//! # Files
+//! - `boards`: the list of boards.
+//! - `link`: link arguments.
 
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

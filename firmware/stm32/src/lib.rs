@@ -16,6 +16,12 @@
 //! - [`stop`]: what a panic does to servos.
 //!
 //! For a host this crate is empty.
+//!
+//! # Files
+//! - `node`, `bus`, `capacity`: the node on this hardware; the lines as the loop drives them; the largest rig.
+//! - `nucleo`: pins and clocks that all NUCLEO-64 boards share.
+//! - `serial`, `servo_line`, `pulses`: the line to the host; the line of the servos; a PCA9685 on I2C.
+//! - `clock`, `flash`, `light`, `registers`, `reset`, `stop`, `watchdog`: one file for each part of the chip.
 
 #![cfg(target_os = "none")]
 #![no_std]

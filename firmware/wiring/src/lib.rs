@@ -5,6 +5,12 @@
 //!
 //! - [`Wiring`]: the lines, the servos, and the rate of the loop, as bytes;
 //! - [`Bus`]: the bus of one line; [`Lines`] and [`AllLines`]: those of all lines, servos in the rig's order.
+//!
+//! # Files
+//! - `wiring`: the whole wiring as bytes, and as settings of a controller.
+//! - `line`, `lines`, `bus`: one line and one servo; all lines of a board; the bus of one line.
+//! - `remote`: numbers of other crates as messages carry them.
+//! - `error`: errors of a wiring.
 
 #![no_std]
 #![forbid(unsafe_code)]

@@ -2,6 +2,11 @@
 //!
 //! It runs an image, unmodified, over rigless's models, and talks with a host in lines of text over standard input and
 //! output: see `README.md` beside this. Times are ns since power-on, bytes are digits.
+//!
+//! # Files
+//! - `board`, `flash`: the F446RE as a difference to rigless's F427; its flash.
+//! - `wire`: the far end of a serial line.
+//! - `protocol`, `driver`: the lines of text; lock-step with the host.
 
 mod board;
 mod driver;

@@ -44,17 +44,17 @@ pub(super) fn run(args: &MonitorArgs) -> anyhow::Result<ExitCode> {
     let (mut due, mut state, mut lines, mut faults) = (board.now(), None, 0, 0);
     while stop.times() == 0 && args.samples.is_none_or(|most| lines < most) {
         board.step(Duration::from_millis(50))?;
-        for fault in board.seen.faults.iter().skip(faults) {
+        for fault in board.telemetry.faults.iter().skip(faults) {
             print(&format!("{}\n", super::text::fault_text(fault)))?;
         }
-        faults = board.seen.faults.len();
-        let Some(summary) = board.seen.summary else { continue };
+        faults = board.telemetry.faults.len();
+        let Some(summary) = board.telemetry.summary else { continue };
         if state.replace(summary.state) == Some(summary.state) && board.now() < due {
             continue;
         }
         due = board.now() + Duration::from_millis(args.interval_ms);
         lines += 1;
-        print(&line(&summary, &board.seen.servos))?;
+        print(&line(&summary, &board.telemetry.servos))?;
     }
     if counts && let Some(spreads) = cycles::read(&mut board)?.as_ref().and_then(cycles::spreads) {
         print(&spreads)?;

@@ -64,10 +64,10 @@ impl<const N: usize> Servo<'_, N> {
             Err(_) if !is_own => return,
             Err(code) => return self.reply(Answers::All, Err(code)),
         };
-        self.obey(instruction, is_own);
+        self.execute(instruction, is_own);
     }
 
-    fn obey(&mut self, instruction: Instruction<'_>, is_own: bool) {
+    fn execute(&mut self, instruction: Instruction<'_>, is_own: bool) {
         let done = match instruction {
             Instruction::Ping => {
                 self.answer_ping(is_own);

@@ -31,11 +31,11 @@ impl Device<'_> {
         }
         (self.turn, self.due_us) = (None, None);
         if let Some(instruction) = Instruction::decode(packet) {
-            self.obey(instruction, is_own);
+            self.execute(instruction, is_own);
         }
     }
 
-    fn obey(&mut self, instruction: Instruction<'_>, is_own: bool) {
+    fn execute(&mut self, instruction: Instruction<'_>, is_own: bool) {
         let own = self.id();
         match instruction {
             Instruction::Ping => {
