@@ -26,7 +26,7 @@ pub struct Board<L> {
     outcome: Option<Outcome>,
     beat_due: Duration,
     /// What it has told unasked.
-    pub telemetry: TelemetryLog,
+    pub log: TelemetryLog,
 }
 
 /// A number for a greeting, another one for each run of a program.
@@ -50,7 +50,7 @@ impl<L: Line> Board<L> {
             nonce: nonce.wrapping_sub(1),
             welcome: None,
             outcome: None,
-            telemetry: TelemetryLog::default(),
+            log: TelemetryLog::default(),
         };
         board.reconnect(patience)?;
         Ok(board)
@@ -222,7 +222,7 @@ impl<L: Line> Board<L> {
 
     /// The state, by the newest telemetry.
     pub fn state(&self) -> Option<State> {
-        self.telemetry.summary.map(|summary| summary.state)
+        self.log.summary.map(|summary| summary.state)
     }
 
     /// A summary that is newer than this call: telemetry must be on.
@@ -230,10 +230,10 @@ impl<L: Line> Board<L> {
     /// # Errors
     /// As of [`Self::step`]; [`ClientError::Impatient`] if none comes.
     pub fn fresh_state(&mut self, patience: Duration) -> Result<State, ClientError> {
-        let (before, end) = (self.telemetry.summaries, self.line.now() + patience);
+        let (before, end) = (self.log.summaries, self.line.now() + patience);
         while self.line.now() < end {
             self.step(BEAT_EVERY)?;
-            if self.telemetry.summaries != before
+            if self.log.summaries != before
                 && let Some(state) = self.state()
             {
                 return Ok(state);
@@ -305,7 +305,7 @@ impl<L: Line> Board<L> {
             ToHost::Welcome(welcome) if welcome.nonce == self.nonce => {
                 if self.welcome.is_none() && welcome.verdict.is_ok() {
                     self.sender = Sender::new(welcome.session);
-                    self.telemetry = TelemetryLog::default();
+                    self.log = TelemetryLog::default();
                 }
                 self.welcome = self.welcome.or(Some(welcome));
             }
@@ -314,8 +314,8 @@ impl<L: Line> Board<L> {
                     self.outcome = Some(outcome);
                 }
             }
-            ToHost::Telemetry(telemetry) => self.telemetry.take(telemetry),
-            ToHost::Fault(fault) => self.telemetry.faults.push(fault),
+            ToHost::Telemetry(telemetry) => self.log.take(telemetry),
+            ToHost::Fault(fault) => self.log.faults.push(fault),
             ToHost::Welcome(_) => {}
         }
     }

@@ -63,7 +63,7 @@ fn comes_back(board: &mut Board<Emulated>, rig: &Rig) {
     assert!((board.setting(LOWER_S).unwrap() - 2.0).abs() < 1e-6);
     load(board, rig);
     until(board, State::Faulted, 1);
-    let summary = board.telemetry.summary.unwrap();
+    let summary = board.log.summary.unwrap();
     assert_eq!(summary.fault, Some(Fault::WatchdogReset.number()));
     board.run(Duration::from_millis(200)).unwrap();
     assert_eq!(servos_on(board.line_mut()), 0);

@@ -183,7 +183,7 @@ pub(crate) fn until<L: Link>(board: &mut Board<L>, state: State, seconds: u32) {
             return;
         }
     }
-    panic!("{state} does not come: {:?}", board.telemetry);
+    panic!("{state} does not come: {:?}", board.log);
 }
 
 /// Arms it as soon as its joints rest.
@@ -208,7 +208,7 @@ pub(crate) fn servos_on(board: &mut Emulated) -> usize {
 
 /// Whether it has told of a fault.
 pub(crate) fn has_told(board: &Board<Emulated>, fault: Fault) -> bool {
-    board.telemetry.faults.iter().any(|record| record.fault == fault.number())
+    board.log.faults.iter().any(|record| record.fault == fault.number())
 }
 
 /// Sets for how long a rig is lowered, s, to another time than it has.

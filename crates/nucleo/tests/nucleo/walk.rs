@@ -94,8 +94,8 @@ fn emulated_nucleo_walks_with_the_packets_of_the_controller_in_process() {
     let board = Watched { board, decoder: Decoder::new(), states: Vec::new() };
     let mut board = Board::connect(board, 1, 5 * SECOND).unwrap();
     perform(&mut board, &rig);
-    assert!(board.telemetry.faults.is_empty(), "{:?}", board.telemetry.faults);
-    assert_eq!(board.telemetry.summary.unwrap().overruns, 0);
+    assert!(board.log.faults.is_empty(), "{:?}", board.log.faults);
+    assert_eq!(board.log.summary.unwrap().overruns, 0);
     let Watched { board, states, .. } = board.line_mut();
     let ticks = ticks(&rig, std::mem::take(&mut board.bus));
 

@@ -47,14 +47,14 @@ pub(super) fn run(args: &MonitorArgs) -> anyhow::Result<ExitCode> {
         for fault in board.telemetry.faults.iter().skip(faults) {
             print(&format!("{}\n", super::text::fault_text(fault)))?;
         }
-        faults = board.telemetry.faults.len();
-        let Some(summary) = board.telemetry.summary else { continue };
+        faults = board.log.faults.len();
+        let Some(summary) = board.log.summary else { continue };
         if state.replace(summary.state) == Some(summary.state) && board.now() < due {
             continue;
         }
         due = board.now() + Duration::from_millis(args.interval_ms);
         lines += 1;
-        print(&line(&summary, &board.telemetry.servos))?;
+        print(&line(&summary, &board.log.servos))?;
     }
     if counts && let Some(spreads) = cycles::read(&mut board)?.as_ref().and_then(cycles::spreads) {
         print(&spreads)?;

@@ -22,8 +22,8 @@ pub(in crate::cli) fn remedy(number: u8) -> Option<String> {
 
 /// Says what faults a controller has told of, and what to do.
 pub(in crate::cli) fn tell_faults<L: Line>(board: &Board<L>) {
-    let mut numbers: Vec<u8> = board.telemetry.faults.iter().map(|fault| fault.fault).collect();
-    numbers.extend(board.telemetry.summary.and_then(|summary| summary.fault));
+    let mut numbers: Vec<u8> = board.log.faults.iter().map(|fault| fault.fault).collect();
+    numbers.extend(board.log.summary.and_then(|summary| summary.fault));
     numbers.sort_unstable();
     numbers.dedup();
     for number in numbers {

@@ -107,7 +107,7 @@ impl<L: Line> Performance<'_, L> {
                 self.command(Command::Stop, Phase::Stopping)?;
             }
             // What was told before the last command counts no more.
-            if self.board.telemetry.summaries < self.before + 2 {
+            if self.board.log.summaries < self.before + 2 {
                 continue;
             }
             if let Some(ended) = self.go_on()? {
@@ -118,7 +118,7 @@ impl<L: Line> Performance<'_, L> {
 
     fn command(&mut self, command: Command, phase: Phase) -> Result<(), ClientError> {
         self.board.ask(command)?;
-        (self.phase, self.before) = (phase, self.board.telemetry.summaries);
+        (self.phase, self.before) = (phase, self.board.log.summaries);
         Ok(())
     }
 
@@ -138,7 +138,7 @@ impl<L: Line> Performance<'_, L> {
                 self.phase = Phase::Stopping;
             }
             (Phase::Stopping, State::Limp | State::Off) => {
-                let is_well = self.board.telemetry.faults.is_empty();
+                let is_well = self.board.log.faults.is_empty();
                 return Ok(Some(if is_well { ExitCode::SUCCESS } else { self.faulted() }));
             }
             _ => {}
@@ -153,7 +153,7 @@ impl<L: Line> Performance<'_, L> {
             return Ok(());
         }
         if arm(self.board, waits)? {
-            (self.phase, self.before) = (Phase::Arming, self.board.telemetry.summaries);
+            (self.phase, self.before) = (Phase::Arming, self.board.log.summaries);
         }
         Ok(())
     }
@@ -166,14 +166,14 @@ impl<L: Line> Performance<'_, L> {
     /// States and faults as they come; on a terminal the rest as it is.
     fn tell(&mut self) {
         let since_s = self.board.now().saturating_sub(self.begun).as_secs_f64();
-        let Some(summary) = self.board.telemetry.summary else { return };
+        let Some(summary) = self.board.log.summary else { return };
         if self.state.replace(summary.state) != Some(summary.state) {
             self.bar.suspend(|| note(format_args!("{since_s:7.2} s  {}", summary.state)));
         }
-        for fault in self.board.telemetry.faults.iter().skip(self.faults) {
+        for fault in self.board.log.faults.iter().skip(self.faults) {
             self.bar.suspend(|| note(format_args!("{since_s:7.2} s  {}", named(fault.fault))));
         }
-        self.faults = self.board.telemetry.faults.len();
+        self.faults = self.board.log.faults.len();
         if !self.bar.is_hidden() {
             self.bar.set_message(live(&summary));
         }

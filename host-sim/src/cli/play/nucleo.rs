@@ -89,7 +89,7 @@ pub(super) fn perform(
         "the emulated NUCLEO-F446RE ran {time_s:.2} s of its time: {own} bursts to servos, {} of theirs\n",
         all - own
     ))?;
-    if let Some(summary) = board.telemetry.summary {
+    if let Some(summary) = board.log.summary {
         note(format_args!(
             "ticks: {} us on average, {} at most, {} too late",
             summary.tick_us, summary.tick_max_us, summary.overruns

@@ -86,7 +86,7 @@ impl TeachSession {
         let until = seconds.map_or_else(String::new, |seconds| format!(", or {seconds} s"));
         note(format_args!("lead it; Ctrl-C ends it{until}"));
         let begun = self.board.now();
-        self.board.telemetry.poses = Some(Vec::new());
+        self.board.log.poses = Some(Vec::new());
         loop {
             if self.look()? != Some(taught) {
                 bail!("the rig is not led any more");
@@ -103,7 +103,7 @@ impl TeachSession {
 
     /// Brings the rig to rest, and waits until it is limp. What comes meanwhile is no part of the motion.
     fn limp(&mut self) -> anyhow::Result<()> {
-        let poses = self.board.telemetry.poses.take();
+        let poses = self.board.log.poses.take();
         if !matches!(self.state, Some(State::Limp | State::Off | State::Faulted) | None) {
             self.board.ask(Command::Stop)?;
             let times = self.stop.times();
@@ -115,7 +115,7 @@ impl TeachSession {
                 }
             }
         }
-        self.board.telemetry.poses = poses;
+        self.board.log.poses = poses;
         Ok(())
     }
 
@@ -131,8 +131,8 @@ impl TeachSession {
 
     /// Takes what comes; the state by a summary that is newer than what was asked for.
     fn look(&mut self) -> anyhow::Result<Option<State>> {
-        let (before, since) = (self.board.telemetry.summaries, self.board.now());
-        while self.board.telemetry.summaries < before + 2 {
+        let (before, since) = (self.board.log.summaries, self.board.now());
+        while self.board.log.summaries < before + 2 {
             self.board.step(LOOK)?;
             let silent = self.board.now().saturating_sub(since);
             ensure!(
@@ -150,7 +150,7 @@ impl TeachSession {
                 self.bar.suspend(|| note(format_args!("{state}")));
             }
         }
-        if state == Some(State::Faulted) || !self.board.telemetry.faults.is_empty() {
+        if state == Some(State::Faulted) || !self.board.log.faults.is_empty() {
             tell_faults(&self.board);
             bail!("a fault has ended it");
         }

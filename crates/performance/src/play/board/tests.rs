@@ -107,7 +107,7 @@ impl Desk<'_> {
                 return;
             }
         }
-        panic!("{state} does not come: {:?}", self.client.telemetry);
+        panic!("{state} does not come: {:?}", self.client.log);
     }
 
     fn arm(&mut self) {
@@ -151,7 +151,7 @@ fn a_blank_board_takes_a_rig_and_a_show_and_plays_it() {
         assert!(matches!(refused, ClientError::Refused(Refusal::State(State::Holding))));
         desk.client.ask(Command::Stop).unwrap();
         desk.until(State::Limp);
-        assert!(desk.client.telemetry.faults.is_empty(), "{:?}", desk.client.telemetry.faults);
+        assert!(desk.client.log.faults.is_empty(), "{:?}", desk.client.log.faults);
         desk.client.set_setting(6, 3.0).unwrap();
         desk.client.reconnect(SECOND).unwrap();
         assert!((desk.client.setting(6).unwrap() - 3.0).abs() < 1e-6);

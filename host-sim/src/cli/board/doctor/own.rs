@@ -111,7 +111,7 @@ fn state(board: &mut PortBoard, findings: &mut Findings) -> anyhow::Result<bool>
                 .to_owned(),
         ),
         State::Faulted => {
-            let fault = board.telemetry.summary.and_then(|summary| summary.fault);
+            let fault = board.log.summary.and_then(|summary| summary.fault);
             (Wrong, fault.and_then(remedy).unwrap_or_default())
         }
         _ => (Wrong, "the rig is to be limp: disarm it".to_owned()),
@@ -121,7 +121,7 @@ fn state(board: &mut PortBoard, findings: &mut Findings) -> anyhow::Result<bool>
 }
 
 fn loop_and_link(board: &mut PortBoard, findings: &mut Findings) {
-    let Some(summary) = board.telemetry.summary else { return };
+    let Some(summary) = board.log.summary else { return };
     findings.expect(
         summary.overruns == 0,
         Doubtful,
@@ -141,7 +141,7 @@ fn loop_and_link(board: &mut PortBoard, findings: &mut Findings) {
             "tell us: this rig is near the board's end",
         );
     }
-    let lost = board.telemetry.lost;
+    let lost = board.log.lost;
     findings.expect(
         lost == 0 && summary.link_damaged == 0,
         Doubtful,
@@ -149,7 +149,7 @@ fn loop_and_link(board: &mut PortBoard, findings: &mut Findings) {
         &format!("{} damaged there, {lost} lost on the way back", summary.link_damaged),
         "another cable, or no hub between",
     );
-    let errors: Vec<String> = (board.telemetry.servos.iter().enumerate())
+    let errors: Vec<String> = (board.log.servos.iter().enumerate())
         .filter(|(_, servo)| servo.bus_errors > 0)
         .map(|(index, servo)| format!("servo {index}: {}", servo.bus_errors))
         .collect();
@@ -209,7 +209,7 @@ fn health(
 }
 
 fn supply(board: &PortBoard, least_v: f32, parts: Option<&Parts>, findings: &mut Findings) {
-    let at_rest = board.telemetry.summary.map_or(0.0, |summary| summary.supply_v);
+    let at_rest = board.log.summary.map_or(0.0, |summary| summary.supply_v);
     let wanted = parts.and_then(Parts::supply_v);
     let is_near = |v: f32| wanted.is_none_or(|wanted| (v - wanted).abs() <= SUPPLY * wanted);
     let of_rig = wanted.map_or_else(String::new, |v| format!(", the rig's file has {v:.1} V"));
