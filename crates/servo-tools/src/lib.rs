@@ -31,8 +31,8 @@
 //! # Files
 //! - `exchange`, `port`: a line of servos; a serial port as a line.
 //! - `client`, `protocol`, `reply`, `ping_reply`: packets and retries; the servos' protocol; replies in what was heard.
-//! - `servo`, `table`, `registers`, `quantity`, `store`: a servo that answered; its registers; reads and writes by name;
-//!   numbers as people read them; writes that are verified.
+//! - `servo`, `table`, `registers`, `quantity`, `store`: a servo that answered; its registers; reads and writes by
+//!   name; numbers as people read them; writes that are verified.
 //! - `scan`, `address`, `identify`, `watch`: search; ids and baud rates; a servo that shows itself; measurements.
 //! - `rig_servo`, `desired`, `compare`: servos of a rig file; the registers that it requires; the difference.
 //! - `calibrate`, `rig_file`: ranges found by hand; the rig file with these ranges.

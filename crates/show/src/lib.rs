@@ -45,8 +45,8 @@
 //! - `span`, `chart`: a span as a cubic; channels to joint coordinates (a ball joint is p / |p|).
 //! - `player`, `frames`, `blend`: all channels at a position; frames of the tracker; blends.
 //! - `cue`, `time_code`, `time_warp`: cues; the clock of a production; a slowed show's time in its performance.
-//! - `write/`: a `motion` and `settings` to `channels`, knots (`refine`, `curve`), least squares (`fit`), bits (`pack`), and the error
-//!   of what the decoder returns (`measure`).
+//! - `write/`: a `motion` and `settings` to `channels`, knots (`refine`, `curve`), least squares (`fit`), bits
+//!   (`pack`), and the error of what the decoder returns (`measure`).
 
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]

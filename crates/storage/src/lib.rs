@@ -19,8 +19,8 @@
 //! - `flash`: bytes in any NOR flash: aligned, read back, never written twice in one place.
 //! - `record`: head, payload, and a seal that is written last.
 //! - `log`, `compact`, `damage`, `fault`: records in a sector; their copy in the next one; what was lost; faults.
-//! - `area`, `board`, `descriptor`, `disarmed`, `error`: sectors of flash; a board's declaration; an item's description;
-//!   the permission to erase.
+//! - `area`, `board`, `descriptor`, `disarmed`, `error`: sectors of flash; a board's declaration; an item's
+//!   description; the permission to erase.
 //! - `place`, `upload`, `stored`: room for an item; an item that arrives in blocks; an item that is whole.
 //! - `store`: all of these behind one type.
 

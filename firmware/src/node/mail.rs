@@ -44,14 +44,14 @@ pub struct Mail<'a, const DOFS: usize, const SERVOS: usize, const COORDS: usize>
     pub(super) answers: Deque<(CommandId, LoopReply), 4>,
     pub(super) faults: Deque<FaultNews, FAULTS_WAITING>,
     pub(super) snapshot: Option<Tick<DOFS, SERVOS, COORDS>>,
-    /// What servos said to the last packet of the host.
+    /// The servos' reply to the last packet of the host.
     pub(super) of_servos: PassthroughReply,
     pub(super) health: Health,
     pub(super) state: State,
     pub(super) disarmed: Option<Disarmed>,
 }
 
-/// Something for the loop to do.
+/// A request of the background task that the loop carries out.
 #[derive(Debug)]
 pub(super) enum LoopRequest<'a, const COORDS: usize> {
     Supervise(Command),
@@ -62,12 +62,12 @@ pub(super) enum LoopRequest<'a, const COORDS: usize> {
     Health,
 }
 
-/// What became of it.
+/// The loop's reply to a request.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum LoopReply {
     Supervised(Answer),
     Shown,
-    /// Servos were talked to: [`Mail::of_servos`] is what they said.
+    /// Servos were talked to: [`Mail::of_servos`] has their reply.
     Passed,
     /// They were not, in this state.
     NotPassed(State),

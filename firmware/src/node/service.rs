@@ -1,4 +1,4 @@
-//! What a host does with a rig that is limp, behind a tick of the loop: packets to its servos, and what was measured.
+//! Requests that the loop serves after a tick: packets to servos of a limp rig, and measurements.
 
 use heapless::Vec;
 use sinew_link::message::{Applied, Cycles, Health, Pass, Passed, Refusal};
@@ -12,7 +12,7 @@ use super::timing::{Spread, Timings};
 use crate::controller::Wire;
 use crate::supervisor::State;
 
-/// What came of it.
+/// The result of a request that was served after a tick.
 #[expect(clippy::large_enum_variant, reason = "no heap to put it on; there is one at a time")]
 enum ServiceReply {
     Passed(PassthroughReply),
