@@ -33,11 +33,11 @@ impl Shared<Letters> for SingleThreaded {
     }
 }
 
-/// Loop, desk, and the mail between them.
+/// Control loop, background task, and the mail between them.
 pub(super) struct Node {
     /// None without a rig that fits the servos.
     pub(super) control: Option<Box<ControlLoop<'static, BODIES, DOFS, SERVOS, COORDINATES>>>,
-    pub(super) desk: Box<BackgroundTask<'static, Chip, BODIES, DOFS, SERVOS, COORDINATES>>,
+    pub(super) background: Box<BackgroundTask<'static, Chip, BODIES, DOFS, SERVOS, COORDINATES>>,
     pub(super) mail: Box<SingleThreaded>,
 }
 
@@ -67,7 +67,7 @@ impl Node {
         let setup = Setup { about, settings, is_bad, rig, tick_s, line_bps: LINE_BPS };
         Ok(Self {
             control,
-            desk: Box::new(BackgroundTask::new(store, setup, first_session)),
+            background: Box::new(BackgroundTask::new(store, setup, first_session)),
             mail: Box::new(SingleThreaded(RefCell::new(Mail::new(disarmed)))),
         })
     }

@@ -134,7 +134,7 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
             let now_us = self.now_us();
             let Self { came, said, chip, lent, node, .. } = self;
             let mut port = HostPort { now_us, came, said, chip, lent };
-            if node.desk.step(&mut port, &*node.mail) == Next::Restart {
+            if node.background.step(&mut port, &*node.mail) == Next::Restart {
                 self.restart();
                 return;
             }
