@@ -27,7 +27,7 @@ pub(crate) enum LinePort {
 
 impl LinePort {
     /// None if no chip makes such pulses.
-    pub(crate) fn of(line: &Line) -> Option<Self> {
+    pub(crate) fn of(line: &BusLine) -> Option<Self> {
         match line.protocol {
             Protocol::Dynamixel(_) | Protocol::Feetech(_) => Some(Self::Serial(line.timing.baud)),
             Protocol::Pca9685(pulses) => pulses.prescale().ok().map(Self::I2c),
