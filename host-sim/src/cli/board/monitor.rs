@@ -44,7 +44,7 @@ pub(super) fn run(args: &MonitorArgs) -> anyhow::Result<ExitCode> {
     let (mut due, mut state, mut lines, mut faults) = (board.now(), None, 0, 0);
     while stop.times() == 0 && args.samples.is_none_or(|most| lines < most) {
         board.step(Duration::from_millis(50))?;
-        for fault in board.telemetry.faults.iter().skip(faults) {
+        for fault in board.log.faults.iter().skip(faults) {
             print(&format!("{}\n", super::text::fault_text(fault)))?;
         }
         faults = board.log.faults.len();

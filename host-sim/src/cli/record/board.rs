@@ -45,7 +45,7 @@ pub(super) fn led(
     let stopped = session.limp();
     led?;
     stopped?;
-    let poses = session.board.telemetry.poses.take().unwrap_or_default();
+    let poses = session.board.log.poses.take().unwrap_or_default();
     Ok(rows(&rig.mechanism, &poses, tick_s, f64::from(told.rate_hz).recip())?)
 }
 
