@@ -9,7 +9,7 @@ pub struct Detail {
     /// By body and by size; may be merged over clips.
     pub spread: Spread,
     /// Over the time of the clip.
-    pub course: Course,
+    pub course: ErrorTrace,
 }
 
 /// How errors spread over the bodies and over their sizes.
@@ -32,9 +32,9 @@ pub struct Histogram {
 /// Errors over time: means and maxima over all bodies in equal stretches of the run.
 ///
 /// As a run goes on, neighbouring stretches are joined, so that there are never more than
-/// [`Course::CAPACITY`] and all but the last are equally long.
+/// [`ErrorTrace::CAPACITY`] and all but the last are equally long.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Course {
+pub struct ErrorTrace {
     steps_each: usize,
     stretches: Vec<ErrorTotals>,
     steps_in_last: usize,
@@ -133,7 +133,7 @@ impl Default for Histogram {
     }
 }
 
-impl Course {
+impl ErrorTrace {
     /// The largest number of stretches.
     pub const CAPACITY: usize = 600;
 
@@ -172,7 +172,7 @@ impl Course {
     }
 }
 
-impl Default for Course {
+impl Default for ErrorTrace {
     fn default() -> Self {
         Self { steps_each: 1, stretches: Vec::new(), steps_in_last: 0 }
     }
@@ -212,8 +212,8 @@ mod tests {
         for steps in [1, 599, 600, 601, 1200, 1201, 5000] {
             let course = drifting(steps).course;
             let each = course.steps_each();
-            assert!(course.stretches().len() <= Course::CAPACITY);
-            assert!(each == 1 || course.stretches().len() > Course::CAPACITY / 2);
+            assert!(course.stretches().len() <= ErrorTrace::CAPACITY);
+            assert!(each == 1 || course.stretches().len() > ErrorTrace::CAPACITY / 2);
             let (last, full) = course.stretches().split_last().unwrap();
             let mut counted = 0;
             for (index, stretch) in course.stretches().iter().enumerate() {

@@ -30,9 +30,9 @@ const FRAMES: usize = 2000;
 
 /// What of the root is held where the clip has it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Held {
+pub enum RootConstraint {
     /// Nothing.
-    Nothing,
+    Free,
     /// Its position.
     Position,
     /// Its position and rotation, as of a figure that is bolted to its stand.
@@ -54,7 +54,7 @@ pub struct Optimum {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     /// What of the root is held.
-    pub held: Held,
+    pub held: RootConstraint,
     /// In the order of [`WEIGHTS_M`].
     pub points: Vec<CurvePoint>,
 }
@@ -77,9 +77,9 @@ pub fn optimum(motions: &[FigureMotion], protocol: &Protocol) -> Result<Optimum,
     let seconds = protocol.seconds;
     let frames: usize = motions.iter().map(|motion| track::step_count(motion, seconds)).sum();
     let every = frames.div_ceil(FRAMES).max(1);
-    let held: &[Held] = match protocol.setup.root {
-        Root::Driven => &[Held::Nothing, Held::Position],
-        Root::Fixed => &[Held::Pose],
+    let held: &[RootConstraint] = match protocol.setup.root {
+        Root::Driven => &[RootConstraint::Free, RootConstraint::Position],
+        Root::Fixed => &[RootConstraint::Pose],
     };
     let mut unsolved = 0;
     let mut scales = Vec::with_capacity(protocol.scales.len());
@@ -127,7 +127,7 @@ pub fn nearest_poses(
     seconds: Option<f64>,
     every: usize,
     weight_m: f64,
-    held: Held,
+    held: RootConstraint,
 ) -> Result<(Errors, usize), RunError> {
     let model = setup.model(motion)?;
     let rig = Rig::new(model.mechanism(setup.root))?;
@@ -148,7 +148,7 @@ pub struct Search<'a> {
     /// Positions of the joints in their parents' frames, in metres.
     offset_m: &'a [DVec3],
     weight_m: f64,
-    held: Held,
+    held: RootConstraint,
     /// The nearest pose that was found, in the world.
     pub poses: Vec<Pose>,
     /// How it deviates from the desired one: where the next search begins.
@@ -172,7 +172,7 @@ impl<'a> Search<'a> {
     const ROUNDING: f64 = 1e-12;
 
     /// For a figure with these joints in their parents' frames and a rotation weight above 0, both in metres.
-    pub fn new(offset_m: &'a [DVec3], weight_m: f64, held: Held) -> Self {
+    pub fn new(offset_m: &'a [DVec3], weight_m: f64, held: RootConstraint) -> Self {
         Self {
             offset_m,
             weight_m,
@@ -261,7 +261,7 @@ impl<'a> Search<'a> {
     /// best one, `M d = q - B x`. A child is shifted by `x + d × l`, with l from b to it.
     fn eliminated(&self, desired: &[Pose], curved: bool) -> Option<Change> {
         let weight_m2 = self.weight_m * self.weight_m;
-        let turns = |body: usize| body > 0 || self.held != Held::Pose;
+        let turns = |body: usize| body > 0 || self.held != RootConstraint::Pose;
         let arm_m =
             |child: usize, parent: usize| self.poses[parent].rotation * self.offset_m[child];
         // A, b; M, or its inverse once all children are in; B, q.
@@ -304,7 +304,7 @@ impl<'a> Search<'a> {
             }
         }
         let mut change = Change { shift_m: DVec3::ZERO, turn_rad: vec![DVec3::ZERO; count] };
-        if self.held == Held::Nothing {
+        if self.held == RootConstraint::Free {
             change.shift_m = inverse(cost[0])? * pull_m[0];
         }
         let mut shift_m = vec![change.shift_m; count];
@@ -360,7 +360,8 @@ mod tests {
     use sinew_figure::{BODY_COUNT, Dimensions};
     use sinew_host_util::random::{Random, Subject};
 
-    const ALL_HELD: [Held; 3] = [Held::Nothing, Held::Position, Held::Pose];
+    const ALL_HELD: [RootConstraint; 3] =
+        [RootConstraint::Free, RootConstraint::Position, RootConstraint::Pose];
 
     /// A frame of a clip, and the joints of a figure of other dimensions than the clip's.
     fn desired_and_offsets(scale: f64) -> (Vec<Pose>, Vec<DVec3>) {
@@ -384,10 +385,10 @@ mod tests {
     /// The figure with its root shifted and its bodies turned, all in the world, as far as nothing is held.
     fn altered(search: &Search<'_>, shift_m: DVec3, turn_rad: &[DVec3]) -> Vec<Pose> {
         let root = &search.poses[0];
-        let shift_m = if search.held == Held::Nothing { shift_m } else { DVec3::ZERO };
+        let shift_m = if search.held == RootConstraint::Free { shift_m } else { DVec3::ZERO };
         let rotations =
             search.poses.iter().zip(turn_rad).enumerate().map(|(body, (pose, turn))| {
-                let turns = body > 0 || search.held != Held::Pose;
+                let turns = body > 0 || search.held != RootConstraint::Pose;
                 let turn = if turns { *turn } else { DVec3::ZERO };
                 DQuat::from_scaled_axis(turn) * pose.rotation
             });
@@ -427,9 +428,11 @@ mod tests {
         let mut random = Random::new(1, Subject::Noise);
         for scale in [0.9, 1.1, 1.5] {
             let (desired, offset_m) = desired_and_offsets(scale);
-            for (weight_m, held) in
-                [(0.05, Held::Nothing), (0.3, Held::Position), (1.0, Held::Pose)]
-            {
+            for (weight_m, held) in [
+                (0.05, RootConstraint::Free),
+                (0.3, RootConstraint::Position),
+                (1.0, RootConstraint::Pose),
+            ] {
                 let mut search = Search::new(&offset_m, weight_m, held);
                 assert!(search.solve(&desired));
                 let least = search.energy_m2(&search.poses, &desired);
@@ -461,7 +464,7 @@ mod tests {
     #[test]
     fn the_projection_of_the_core_ends_at_the_optimum() {
         let motion = moving("clip", 40);
-        for (held, root_held) in [(Held::Nothing, false), (Held::Pose, true)] {
+        for (held, root_held) in [(RootConstraint::Free, false), (RootConstraint::Pose, true)] {
             for weight_m in [1.0, 0.3, 0.1] {
                 let mut setup = Setup { dimensions: Dimensions::uniform(1.1), ..Setup::default() };
                 setup.controller.method = MethodName::ManifoldProjection;
@@ -506,7 +509,7 @@ mod tests {
     #[test]
     fn with_a_large_weight_the_mean_residual_remains() {
         let (desired, offset_m) = desired_and_offsets(1.1);
-        let mut search = Search::new(&offset_m, 1e4, Held::Nothing);
+        let mut search = Search::new(&offset_m, 1e4, RootConstraint::Free);
         assert!(search.solve(&desired));
         let world =
             search.assembled(desired[0].position_m, desired.iter().map(|pose| pose.rotation));

@@ -19,6 +19,7 @@ mod dimensions;
 #[doc(hidden)]
 pub mod fixture;
 pub mod hanavan;
+mod landmark;
 pub mod mapping;
 pub mod measured;
 pub mod model;
@@ -32,6 +33,7 @@ pub use body::{BODIES, BODY_COUNT, Body, Root, is_leaf};
 pub use de_leva::mass_fraction as de_leva_mass_fraction;
 pub use dimensions::Dimensions;
 pub use hanavan::Subject;
+pub use landmark::limb_landmark;
 pub use mapping::Mapping;
 pub use model::{BodyModel, BodyModelError};
 pub use motion::FigureMotion;

@@ -48,7 +48,7 @@ pub fn check_bones(recording: &Recording, longest_m: f64) -> Result<(), LongBone
 
 /// Samples that were taken out, since no body moves so.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Jumps(Vec<Jump>);
+pub struct RemovedJumps(Vec<Jump>);
 
 /// The samples of one joint.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,7 +57,7 @@ struct Jump {
     frames: Vec<usize>,
 }
 
-impl Jumps {
+impl RemovedJumps {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
@@ -73,7 +73,7 @@ impl Jumps {
     }
 }
 
-impl Display for Jumps {
+impl Display for RemovedJumps {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         const SHOWN_MAX: usize = 3;
         write!(f, "taken as missing, since no body jumps faster than {SPEED_MAX_M_S} m/s: ")?;
@@ -95,7 +95,7 @@ impl Display for Jumps {
 
 /// Takes out samples that no body can reach from those beside them, so that they are a gap to be filled. The recording
 /// is in metres. What the motion is measured against is the first sample that agrees with the next one.
-pub fn take_out_jumps(recording: &mut Recording, frame_time_s: f64) -> Jumps {
+pub fn take_out_jumps(recording: &mut Recording, frame_time_s: f64) -> RemovedJumps {
     let reach_m = SPEED_MAX_M_S * frame_time_s;
     let mut jumps = Vec::new();
     for (joint, place) in recording.skeleton.joints.iter().enumerate() {
@@ -107,7 +107,7 @@ pub fn take_out_jumps(recording: &mut Recording, frame_time_s: f64) -> Jumps {
             jumps.push(Jump { joint: place.name.clone(), frames });
         }
     }
-    Jumps(jumps)
+    RemovedJumps(jumps)
 }
 
 /// The frames whose sample of a joint is further from the last believed one than `reach_m` for each frame between.
@@ -179,7 +179,10 @@ mod tests {
         for (places_m, frame) in [([0.0, 0.1, 1e9, 0.3], 2), ([10.0, 0.1, 0.2, 0.3], 0)] {
             let mut recording = recording(&places_m);
             let jumps = take_out_jumps(&mut recording, 0.01);
-            assert_eq!(jumps, Jumps(vec![Jump { joint: "Hips".to_owned(), frames: vec![frame] }]));
+            assert_eq!(
+                jumps,
+                RemovedJumps(vec![Jump { joint: "Hips".to_owned(), frames: vec![frame] }])
+            );
             let (clip, _) = gaps::fill(recording, 0.01, 0.5).unwrap();
             assert!(clip.frames.iter().all(|frame| frame[0].position_m.x <= 0.3 + 1e-12));
             let told = jumps.after(6).to_string();

@@ -12,12 +12,12 @@ enum Encoding {
 /// Bytes that are no text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("expected text in {encoding}, found other bytes from byte {at} on: save the file as UTF-8")]
-pub struct NotText {
+pub struct EncodingError {
     encoding: &'static str,
     at: usize,
 }
 
-impl NotText {
+impl EncodingError {
     /// The first byte that is none.
     pub const fn at(self) -> usize {
         self.at
@@ -27,17 +27,17 @@ impl NotText {
 /// The text of a file, without the mark of its encoding.
 ///
 /// # Errors
-/// [`NotText`] where a character is no character.
-pub fn decoded(bytes: &[u8]) -> Result<Cow<'_, str>, NotText> {
+/// [`EncodingError`] where a character is no character.
+pub fn decoded(bytes: &[u8]) -> Result<Cow<'_, str>, EncodingError> {
     match of(bytes) {
         (Encoding::Utf8, mark) => core::str::from_utf8(&bytes[mark..])
             .map(Cow::Borrowed)
-            .map_err(|error| NotText { encoding: "UTF-8", at: mark + error.valid_up_to() }),
+            .map_err(|error| EncodingError { encoding: "UTF-8", at: mark + error.valid_up_to() }),
         (Encoding::Utf16(unit), mark) => {
             let mut at = mark;
             let mut text = String::with_capacity(bytes.len() / 2);
             for character in utf16(&bytes[mark..], unit) {
-                let character = character.ok_or(NotText { encoding: "UTF-16", at })?;
+                let character = character.ok_or(EncodingError { encoding: "UTF-16", at })?;
                 at += 2 * character.len_utf16();
                 text.push(character);
             }
@@ -123,7 +123,7 @@ mod tests {
         assert_eq!(decoded(&half).unwrap_err().at, 4);
         assert_eq!(lossy(&half), "a\u{fffd}b");
         let error = decoded(b"\xef\xbb\xbfa\xff").unwrap_err();
-        assert_eq!(error, NotText { encoding: "UTF-8", at: 4 });
+        assert_eq!(error, EncodingError { encoding: "UTF-8", at: 4 });
         assert_eq!(lossy(b"H\xfcfte"), "H\u{fffd}fte");
     }
 }

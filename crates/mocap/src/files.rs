@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
-use crate::format;
-use crate::recording;
+use crate::{format, recording};
 
 /// Paths that do not name clips.
 #[derive(Debug, thiserror::Error)]
@@ -50,14 +49,14 @@ pub struct ClipFile {
 
 /// What a list of paths names.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Expanded {
+pub struct ExpandedPaths {
     /// The clips.
     pub clips: Vec<ClipFile>,
     /// What else is in the folders, a line for each: which file, and why it is no clip.
     pub left_out: Vec<String>,
 }
 
-impl Expanded {
+impl ExpandedPaths {
     /// What was made of the clips, `made` in their order, and a line for each file that is left out: what is no clip,
     /// and what cannot be used of a folder.
     ///
@@ -108,7 +107,7 @@ pub fn expand(paths: &[PathBuf]) -> Result<Vec<ClipFile>, Error> {
 ///
 /// # Errors
 /// [`Error::Folder`] and [`Error::NoClips`]; [`Error::GivenTwice`] for a file that two of the paths name.
-pub fn expand_all(paths: &[PathBuf]) -> Result<Expanded, Error> {
+pub fn expand_all(paths: &[PathBuf]) -> Result<ExpandedPaths, Error> {
     let (mut files, mut left_out) = (Vec::new(), Vec::new());
     let mut from_folder = Vec::new();
     for path in paths {
@@ -132,7 +131,7 @@ pub fn expand_all(paths: &[PathBuf]) -> Result<Expanded, Error> {
     let names = names(&files);
     let clip = |((path, name), from_folder)| ClipFile { path, name, from_folder };
     let clips = files.into_iter().zip(names).zip(from_folder).map(clip).collect();
-    Ok(Expanded { clips, left_out })
+    Ok(ExpandedPaths { clips, left_out })
 }
 
 type InFolder = (Vec<PathBuf>, Vec<String>);
@@ -233,7 +232,7 @@ mod tests {
         std::fs::write(at("walk.txt"), "{\"Frames\": []}").unwrap();
         std::fs::write(at("settings.txt"), "{\"frames\": 3}").unwrap();
         let paths = [at("c.txt"), folder.path().to_path_buf()];
-        let Expanded { clips: files, left_out } = expand_all(&paths).unwrap();
+        let ExpandedPaths { clips: files, left_out } = expand_all(&paths).unwrap();
         let paths: Vec<_> = files.iter().map(|file| file.path.clone()).collect();
         let expected = ["c.txt", "a.BVH", "b.bvh", "humanoid3d_kick.txt", "t.amc", "walk.txt"];
         assert_eq!(paths, expected.map(at));
@@ -247,7 +246,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_used_is_left_out_of_folders_alone() {
-        let expanded = |from_folder: [bool; 2]| Expanded {
+        let expanded = |from_folder: [bool; 2]| ExpandedPaths {
             clips: from_folder
                 .into_iter()
                 .zip(["a.bvh", "b.bvh"])

@@ -20,7 +20,7 @@ use crate::{Clip, JointSample};
 #[error(
     "joint `{joint}` turns too fast near frame {frame} to be low-passed: its rotations cancel out"
 )]
-pub struct RotationsCancel {
+pub struct FilterError {
     /// Name of the joint.
     pub joint: String,
     /// The frame, in the clip as filtered.
@@ -120,8 +120,8 @@ impl LowPass {
     /// Low-passes the position and the rotation of every joint.
     ///
     /// # Errors
-    /// [`RotationsCancel`] if a joint turns by about half a turn or more within the filter's memory.
-    pub fn apply_to_clip(&self, clip: &mut Clip) -> Result<(), RotationsCancel> {
+    /// [`FilterError`] if a joint turns by about half a turn or more within the filter's memory.
+    pub fn apply_to_clip(&self, clip: &mut Clip) -> Result<(), FilterError> {
         for (j, joint) in clip.skeleton.joints.iter().enumerate() {
             let mut previous = DQuat::IDENTITY;
             let components = |frame: &Vec<JointSample>| {
@@ -137,7 +137,7 @@ impl LowPass {
                 let [qx, qy, qz, qw, x, y, z] = signals;
                 let sum = DQuat::from_xyzw(qx, qy, qz, qw);
                 if sum.length() < 0.1 {
-                    return Err(RotationsCancel { joint: joint.name.clone(), frame: f });
+                    return Err(FilterError { joint: joint.name.clone(), frame: f });
                 }
                 frame[j] =
                     JointSample { rotation: sum.normalize(), position_m: DVec3::new(x, y, z) };

@@ -30,14 +30,14 @@ pub struct Gap {
 
 /// What [`fill`] made up.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Filled {
+pub struct FilledGaps {
     /// The gaps in order of their first frame. Joints that miss the same frames share one.
     pub gaps: Vec<Gap>,
     /// Time between frames, in seconds.
     frame_time_s: f64,
 }
 
-impl Filled {
+impl FilledGaps {
     /// Missing samples, over all joints.
     pub fn samples(&self) -> usize {
         self.gaps.iter().map(|gap| gap.frames * gap.joints.len()).sum()
@@ -54,7 +54,7 @@ impl Filled {
 }
 
 /// The longest gaps with joints, frames and seconds, and how many there are besides.
-impl Display for Filled {
+impl Display for FilledGaps {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         const SHOWN_MAX: usize = 3;
         let gaps = counted(self.gaps.len(), "gap");
@@ -90,7 +90,7 @@ fn span(first: usize, frames: usize) -> String {
 
 /// A gap that cannot be filled.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum Unfillable {
+pub enum GapError {
     /// It is too long.
     #[error(
         "{joints}: no sample in {} ({:.2} s); expected gaps of at most {limit_s} s ({})",
@@ -120,7 +120,7 @@ pub enum Unfillable {
     },
 }
 
-impl Unfillable {
+impl GapError {
     /// Counts frames from `skipped` frames earlier.
     #[must_use]
     pub fn after(mut self, skipped: usize) -> Self {
@@ -135,13 +135,13 @@ impl Unfillable {
 /// [`Recording::in_metres`]. `frame_time_s` is the time between its frames, which not every recording tells.
 ///
 /// # Errors
-/// [`Unfillable`] for the first gap (by joint, then frame) above the limit, or for a joint without
+/// [`GapError`] for the first gap (by joint, then frame) above the limit, or for a joint without
 /// any sample.
 pub fn fill(
     recording: Recording,
     frame_time_s: f64,
     limit_s: f64,
-) -> Result<(Clip, Filled), Unfillable> {
+) -> Result<(Clip, FilledGaps), GapError> {
     // In place: of a long recording there is no room for two.
     let Recording { name, skeleton, mut frames, .. } = recording;
     let limit_frames = whole(limit_s * frame_time_s.recip());
@@ -165,10 +165,10 @@ pub fn fill(
                 if all { ALL.to_owned() } else { format!("joint `{}`", skeleton.joints[j].name) }
             };
             let (Some(before), Some(after)) = (previous.or(next), next.or(previous)) else {
-                return Err(Unfillable::NeverSeen { joints: missing(), frames: count });
+                return Err(GapError::NeverSeen { joints: missing(), frames: count });
             };
             if length > limit_frames {
-                return Err(Unfillable::TooLong {
+                return Err(GapError::TooLong {
                     joints: missing(),
                     first_frame: f,
                     frames: length,
@@ -195,7 +195,7 @@ pub fn fill(
     for gap in &mut gaps {
         gap.names = names(&gap.joints, &skeleton);
     }
-    let filled = Filled { gaps, frame_time_s };
+    let filled = FilledGaps { gaps, frame_time_s };
     // Every sample is there by now.
     let frames = frames.into_iter().map(|frame| frame.into_iter().flatten().collect()).collect();
     Ok((Clip { name, skeleton, frame_time_s, frames }, filled))

@@ -25,7 +25,7 @@ pub struct SkeletonMap {
     /// How the skeleton is known.
     pub signature: Signature,
     /// What makes each body, by the body's name.
-    pub bodies: BTreeMap<String, Part>,
+    pub bodies: BTreeMap<String, BodyJoints>,
 }
 
 /// What a skeleton must have and lack to be known.
@@ -80,7 +80,7 @@ impl Signature {
 /// What makes one body.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Part {
+pub struct BodyJoints {
     /// The joint that the body hangs on.
     pub origin: String,
     /// The joint whose frame the body has.
@@ -117,31 +117,35 @@ impl End {
     /// The end in the rest pose of `skeleton`, whose joints are at `rest_m`, in metres.
     ///
     /// # Errors
-    /// [`NoEnd`] if the skeleton lacks what it names.
-    pub fn rest_position_m(&self, skeleton: &Skeleton, rest_m: &[DVec3]) -> Result<DVec3, NoEnd> {
+    /// [`MissingEnd`] if the skeleton lacks what it names.
+    pub fn rest_position_m(
+        &self,
+        skeleton: &Skeleton,
+        rest_m: &[DVec3],
+    ) -> Result<DVec3, MissingEnd> {
         self.behind("", skeleton, rest_m)
     }
 
     /// The same, with `prefix` before the name of its joint.
     ///
     /// # Errors
-    /// [`NoEnd`] if the skeleton lacks what it names.
+    /// [`MissingEnd`] if the skeleton lacks what it names.
     pub fn behind(
         &self,
         prefix: &str,
         skeleton: &Skeleton,
         rest_m: &[DVec3],
-    ) -> Result<DVec3, NoEnd> {
+    ) -> Result<DVec3, MissingEnd> {
         let find = |name: &str| {
             let found = skeleton.find(&format!("{prefix}{name}"));
-            found.ok_or_else(|| NoEnd::Joint(name.to_owned()))
+            found.ok_or_else(|| MissingEnd::Joint(name.to_owned()))
         };
         Ok(match self {
             Self::Joint(joint) => rest_m[find(joint)?],
             Self::Site { site } => {
                 let joint = find(site)?;
                 let ends = &skeleton.joints[joint].end_sites_m;
-                rest_m[joint] + *ends.first().ok_or_else(|| NoEnd::Site(site.clone()))?
+                rest_m[joint] + *ends.first().ok_or_else(|| MissingEnd::Site(site.clone()))?
             }
             Self::Beyond { beyond, ratio } => {
                 let joint = find(beyond)?;
@@ -153,7 +157,7 @@ impl End {
 
 /// A skeleton lacks what the end of a segment names.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum NoEnd {
+pub enum MissingEnd {
     /// The joint is not there.
     #[error("expected a joint `{0}`")]
     Joint(String),
@@ -171,7 +175,7 @@ struct File {
     rate_hz: Option<f64>,
     up: Option<Up>,
     signature: Option<Signature>,
-    body: Option<BTreeMap<String, Part>>,
+    body: Option<BTreeMap<String, BodyJoints>>,
 }
 
 impl TryFrom<File> for SkeletonMap {
@@ -235,7 +239,7 @@ mod tests {
         assert_eq!(end_m("upper"), Ok(DVec3::Y));
         assert_eq!(end_m("lower"), Ok(1.5 * DVec3::Y));
         let site = End::Site { site: "b".to_owned() };
-        assert_eq!(site.rest_position_m(&skeleton, &rest_m), Err(NoEnd::Site("b".to_owned())));
+        assert_eq!(site.rest_position_m(&skeleton, &rest_m), Err(MissingEnd::Site("b".to_owned())));
         for (joint, name) in skeleton.joints.iter_mut().zip(["rig7:a", "rig7:b"]) {
             name.clone_into(&mut joint.name);
         }

@@ -1,17 +1,16 @@
 //! A clip of any skeleton, read and cleaned for a rig.
 
-use sinew_figure::builtin;
-use sinew_figure::mapping;
 use sinew_figure::measured::{By, Measured, Told};
 use sinew_figure::pipeline::tpose;
+use sinew_figure::{builtin, limb_landmark, mapping};
 use sinew_mocap::damage::{LongBone, check_bones, take_out_jumps};
 use sinew_mocap::files::ClipFile;
 use sinew_mocap::filter::LowPass;
 use sinew_mocap::resample::resample;
 use sinew_mocap::{Clip, Recording, format, gaps};
+use sinew_retarget::LandmarkMap;
 use sinew_retarget::performer::PerformerJoints;
 use sinew_retarget::skeleton::SkeletonMatch;
-use sinew_retarget::{Landmark, LandmarkMap, Side};
 use thiserror::Error;
 
 /// The longest gap that is filled, s.
@@ -102,7 +101,7 @@ pub enum ClipError {
         /// The file.
         clip: String,
         /// Where.
-        source: gaps::Unfillable,
+        source: gaps::GapError,
     },
     /// A joint cannot be low-passed.
     #[error("{clip}: {source}")]
@@ -110,7 +109,7 @@ pub enum ClipError {
         /// The file.
         clip: String,
         /// Where.
-        source: sinew_mocap::filter::RotationsCancel,
+        source: sinew_mocap::filter::FilterError,
     },
 }
 
@@ -167,7 +166,7 @@ impl PreparedClip {
             .map_err(|reason| ClipError::NoUnit { clip: name(), reason })?;
         check_bones(&recording, BONE_MAX_M)
             .map_err(|source| ClipError::Bone { clip: name(), source })?;
-        let origin = |body: &str| matched.joint(landmark_of(body)?);
+        let origin = |body: &str| matched.joint(limb_landmark(body)?);
         let t_pose = usize::from(tpose::is_inserted(&recording, origin));
         if t_pose > 0 {
             notes.push("skipped frame 0, an inserted T-pose".to_owned());
@@ -218,19 +217,4 @@ impl PreparedClip {
         let joints = LandmarkMap::of(|landmark| self.matched.joint(landmark));
         PerformerJoints::of(&self.clip.skeleton, joints)
     }
-}
-
-/// The landmark at the origin of a limb's body of the figure.
-fn landmark_of(body: &str) -> Option<Landmark> {
-    let (part, side) = body.rsplit_once('_')?;
-    let side = if side == "l" { Side::Left } else { Side::Right };
-    Some(match part {
-        "upper_arm" => Landmark::Shoulder(side),
-        "forearm" => Landmark::Elbow(side),
-        "hand" => Landmark::Wrist(side),
-        "thigh" => Landmark::Hip(side),
-        "shank" => Landmark::Knee(side),
-        "foot" => Landmark::Ankle(side),
-        _ => return None,
-    })
 }

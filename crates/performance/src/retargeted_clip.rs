@@ -4,7 +4,7 @@ use glam::DVec3;
 use sinew_retarget::feasibility::RigMotion;
 use sinew_retarget::mapping::{Mapping, MappingError};
 use sinew_retarget::performer::{Performer, PerformerError, PerformerJoints};
-use sinew_retarget::rig::{NoMatch, RigMatch};
+use sinew_retarget::rig::{RigMatch, RigMatchError};
 use sinew_retarget::solve::{self, Baked, BakedLimb, Settings, best_tilt};
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::Pose;
@@ -40,7 +40,7 @@ pub struct RetargetedClip {
 pub enum RetargetError {
     /// The rig has nothing that a performer has.
     #[error("{0}; curves from single joints, in a mapping, can drive it: see docs/shows.md")]
-    Rig(#[from] NoMatch),
+    Rig(#[from] RigMatchError),
     /// The mapping does not fit.
     #[error(transparent)]
     Mapping(#[from] MappingError),

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use sinew_host_util::command;
-use sinew_retarget::feasibility::{Excess, Fit, Limits, Looped, Report};
+use sinew_retarget::feasibility::{Excess, Fit, Limits, LoopedMotion, Report};
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::JointModel;
 
@@ -146,7 +146,7 @@ pub fn fitted(limits: &Limits, fit: &Fit, given_s: f64) -> String {
 }
 
 /// What was done for a loop.
-pub fn led(mechanism: &Mechanism, looped: &Looped) -> String {
+pub fn led(mechanism: &Mechanism, looped: &LoopedMotion) -> String {
     let (body, change) = looped.most;
     let link = &mechanism.bodies[body];
     let change = text::change(matches!(link.joint, JointModel::Prismatic(_)), change);

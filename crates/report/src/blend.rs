@@ -11,7 +11,7 @@ use sinew_figure::{FigureMotion, Mapping};
 use sinew_mocap::Clip;
 use sinew_pose_metrics::blend::{Blend, Nearest, Pair, Side};
 use sinew_pose_metrics::spatial::{
-    BODY_COUNT_MAX, Measure, MeasuredPose, Measuring, Metric, SpatialRig,
+    BODY_COUNT_MAX, Measure, MeasuredPose, Metric, RigMeasure, SpatialRig,
 };
 
 use super::chart::{Axis, line, px};
@@ -164,7 +164,7 @@ impl Drawing<'_> {
 
     /// How near all frames of both are: the way straight through space.
     fn map(&self, rig: &SpatialRig<BODY_COUNT_MAX>) -> Markup {
-        let measuring = Measuring::new(rig, Measure::new(Metric::Positions));
+        let measuring = RigMeasure::new(rig, Measure::new(Metric::Positions));
         let Pair { a, b, .. } = self.pair;
         let every = [a, b].map(|clip| clip.frames.len().div_ceil(CELLS));
         let poses = |clip: &Clip, every: usize| -> Vec<MeasuredPose<BODY_COUNT_MAX>> {

@@ -33,12 +33,12 @@ pub struct Comparison {
     pub scale: f64,
     mannequin: Mannequin,
     desired: Points,
-    results: Vec<Held>,
+    results: Vec<PostureResult>,
 }
 
 /// How one method holds the posture.
 #[derive(Debug, Clone, PartialEq)]
-struct Held {
+struct PostureResult {
     method: MethodName,
     mannequin: Mannequin,
     points: Points,
@@ -84,7 +84,7 @@ impl Comparison {
                 .zip(&before.2)
                 .map(|(now, before)| (*now - *before).length() / held.dt_s * 1000.0)
                 .fold(0.0, f64::max);
-            results.push(Held {
+            results.push(PostureResult {
                 method,
                 mannequin: scaled,
                 points,
@@ -142,7 +142,7 @@ impl Comparison {
         }
     }
 
-    fn panel(&self, held: &Held) -> Markup {
+    fn panel(&self, held: &PostureResult) -> Markup {
         let stage = Stage {
             id: held.method.as_str(),
             camera: self.camera(),
@@ -162,7 +162,7 @@ impl Comparison {
     }
 
     /// Yellow lines from where hands and feet should be to where they are, with labels beside.
-    fn misses(&self, held: &Held, stage: &Stage<'_>) -> Markup {
+    fn misses(&self, held: &PostureResult, stage: &Stage<'_>) -> Markup {
         let ends = |body: usize| [self.desired[body], held.points[body]].map(|at| stage.place(at));
         let texts = MISSES.iter().zip(held.misses_cm).map(|((body, name), miss_cm)| {
             let [from, to] = ends(*body);
@@ -201,7 +201,7 @@ impl Comparison {
     }
 }
 
-fn describe(held: &Held) -> String {
+fn describe(held: &PostureResult) -> String {
     let misses: Vec<String> = MISSES
         .iter()
         .zip(held.misses_cm)
@@ -255,7 +255,7 @@ mod tests {
         // World keeps the angles, Linear Compensation gives them up for the places.
         assert!(world.errors.all.angular_max_deg() < 0.1);
         assert!(compensated.errors.all.angular_max_deg() > 1.0);
-        let mean = |held: &Held| held.misses_cm.iter().sum::<f64>() / 4.0;
+        let mean = |held: &PostureResult| held.misses_cm.iter().sum::<f64>() / 4.0;
         assert!(mean(compensated) < 0.9 * mean(world), "{} {}", mean(compensated), mean(world));
     }
 

@@ -3,7 +3,7 @@
 //! - `page` and `tables` write the page of an evaluation; [`chart`] and [`scene`] draw; script and style are in
 //!   `assets/`.
 //! - [`rig`], [`feasibility`] and [`recording`] are pages of a rig to move, of what a show asks of it, and of how it
-//!   was played. `course` packs their traces.
+//!   was played. `traces` packs what they draw over time.
 //! - [`weights`], [`moments`] and [`blend`] draw joints' weights, poses in a row, and the map of two clips.
 //! - `comparison` is the paper's Figure 4; `words` holds what a page says of the figure and of other rigs.
 
@@ -11,10 +11,10 @@ mod animation;
 pub mod blend;
 pub mod chart;
 mod comparison;
-mod course;
 pub mod feasibility;
 pub mod file;
 mod head;
+mod joint_table;
 mod labels;
 pub mod moments;
 mod page;
@@ -32,6 +32,7 @@ mod still;
 mod sweep;
 mod tables;
 mod text;
+mod traces;
 mod view;
 pub mod weights;
 

@@ -1,7 +1,7 @@
 //! The front of an evaluation: every method's mean linear over its mean angular error, beside the nearest poses.
 
 use maud::{Markup, html};
-use sinew_evaluation::optimum::{Curve, Held, Optimum, WEIGHTS_M};
+use sinew_evaluation::optimum::{Curve, Optimum, RootConstraint, WEIGHTS_M};
 use sinew_evaluation::pareto::on_front;
 use sinew_evaluation::{ErrorTotals, Errors, FigureResult};
 
@@ -48,14 +48,14 @@ pub(super) fn charts(figure: &FigureResult, place: usize, report: &Report<'_>) -
 
 fn reference(curve: &Curve, means: impl Fn(&Errors) -> [f64; 2]) -> Reference {
     let (name, dashed) = match curve.held {
-        Held::Nothing => ("nearest pose, root free", false),
-        Held::Position => ("root position held", true),
-        Held::Pose => ("nearest pose, pelvis bolted", false),
+        RootConstraint::Free => ("nearest pose, root free", false),
+        RootConstraint::Position => ("root position held", true),
+        RootConstraint::Pose => ("nearest pose, pelvis bolted", false),
     };
     let points: Vec<_> = curve.points.iter().map(|point| means(&point.errors)).collect();
     let same = points.iter().flatten().all(|error| *error < 1e-9);
     let labels = match curve.held {
-        Held::Position => Vec::new(),
+        RootConstraint::Position => Vec::new(),
         // All weights are one point: the clip's own pose.
         _ if same => vec![("nearest pose".to_owned(), points[0])],
         _ => {

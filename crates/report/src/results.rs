@@ -11,7 +11,7 @@ use super::text::Words;
 pub(super) fn courses(
     figure: &FigureResult,
     clip: usize,
-) -> Vec<(MethodName, &sinew_evaluation::detail::Course)> {
+) -> Vec<(MethodName, &sinew_evaluation::detail::ErrorTrace)> {
     figure.methods.iter().map(|result| (result.method, &result.details[clip].course)).collect()
 }
 

@@ -15,8 +15,8 @@
 //!   `mirror`).
 //! - `performer/`: directions, twists and postures of a clip.
 //! - `mapping/`: both sides by names: proposed, written, read, resolved; curves from joint to joint.
-//! - `solve/`: `terms` and their `aim`, one bounded step (`normal`), the first pose (`first`, `branch`), contacts and
-//!   paths over a clip (`contact`, `path`); a whole clip (`bake`) or frame by frame (`live`).
+//! - `solve/`: `terms` and their `aim`, one bounded step (`solver`, `normal`), the first pose (`first`, `branch`),
+//!   contacts and paths over a clip (`contact`, `path`); a whole clip (`bake`) or frame by frame (`live`).
 //! - `feasibility/`: limits, where a motion exceeds them (`check`), the nearest motion within them (`fit`), loops.
 //! - `exchange/`: motions as CSV, as BVH's skeleton, as servo positions, as JSON of Blender's add-on.
 

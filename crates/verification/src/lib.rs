@@ -1,10 +1,12 @@
 //! Golden numbers made by independent programs, recomputed with the core.
 //!
-//! Each kind of file has a module here. What error each number may have follows from [`rounding`], case by case; the
-//! few promises of another kind are in `tolerance`.
-//!
-//! A module for each schema recomputes its cases with `core` and the exact plant. [`rounding`] derives the limits, case
-//! by case, from the core's formulas in numbers that carry their rounding.
+//! # Files
+//! - `golden`, `kind`, `error`: the envelope of a file, its kind, and what may be wrong with it.
+//! - `rnea/`, `control`, `state_errors/`, `finite_difference`, `solids`, `weights/`, `hauberg/`: a module for each
+//!   schema. It recomputes the cases with `core` and the exact plant; `figure` makes their trees.
+//! - [`rounding`]: limits of errors, case by case, from the core's formulas in numbers that carry their rounding.
+//! - `tolerance`: the few limits that do not follow from rounding.
+//! - `tally`: the largest error of each quantity.
 
 #![expect(
     clippy::large_types_passed_by_value,

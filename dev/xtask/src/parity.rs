@@ -10,13 +10,7 @@ use sinew_steps::{arm, step};
 
 use crate::firmware::Variable;
 use crate::nextest;
-
-/// 32-bit x86 with a C library of its own, where this machine can run it: it needs no linker but Rust's.
-pub(crate) const X86_32: Option<&str> = if cfg!(all(target_arch = "x86_64", target_os = "linux")) {
-    Some("i686-unknown-linux-musl")
-} else {
-    None
-};
+use crate::targets::X86_32;
 
 /// The program for emulated boards; hosts' is of the same name.
 const IMAGE: Image = Image { package: "sinew-bit-parity", name: "parity", feature: None };

@@ -4,7 +4,7 @@ use std::process::Command;
 
 use anyhow::{Result, bail};
 
-use crate::parity::X86_32;
+use crate::targets::X86_32;
 use sinew_steps::arm::{self, DEBIAN_PACKAGES, SOFT_FLOAT, TARGET, Toolchain, has_target};
 use sinew_steps::step;
 

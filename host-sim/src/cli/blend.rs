@@ -11,10 +11,10 @@ use sinew_host_util::command::{ThreadArgs, note, print, with_progress};
 use sinew_host_util::output;
 use sinew_mocap::bvh;
 use sinew_mocap::files::ClipFile;
-use sinew_pose_metrics::blend::{self, Outcome, Pair, Places, Side};
-use sinew_pose_metrics::find::{Part, Reference};
+use sinew_pose_metrics::blend::{self, FrameRanges, Outcome, Pair, Side};
+use sinew_pose_metrics::find::{ClipPart, Reference};
 use sinew_pose_metrics::spatial::{
-    BODY_COUNT_MAX, Measure, Measuring, Metric, SpatialRig, Workspace,
+    BODY_COUNT_MAX, Measure, Metric, RigMeasure, SpatialRig, Workspace,
 };
 use sinew_report::blend as picture;
 
@@ -139,7 +139,7 @@ impl Args {
         let (clip_a, clip_b) = (a.clip.clone(), &b.clip);
         let pair = Pair::new(clip_a, clip_b).with_context(|| self.b.file.display().to_string())?;
         ensure_room(&self.a.file, pair.body().joints.len())?;
-        let places = Places {
+        let places = FrameRanges {
             a: Room { frames: pair.a.frames.len(), around: [left, half], rate_hz }
                 .places(&self.a, frames_a, 1.0)?,
             b: Room { frames: pair.b.frames.len(), around: [half, left], rate_hz }.places(
@@ -244,7 +244,7 @@ impl Room {
             );
         }
         let places = first.max(before)..=last.min(end - after);
-        let is_one = reference.part != Part::Whole && first == last;
+        let is_one = reference.part != ClipPart::Whole && first == last;
         if places.is_empty() || (is_one && first != *places.start()) {
             bail!(
                 "{file}: expected a place at least {:.3} s from the clip's start and {:.3} s from its end, for half the \
@@ -260,7 +260,7 @@ impl Room {
 /// The line's length in space, as `sinew clip find` measures it.
 fn line_m(pair: &Pair, a: usize, b: usize) -> anyhow::Result<f64> {
     let rig = SpatialRig::<BODY_COUNT_MAX>::sized(pair.body(), None)?;
-    let measuring = Measuring::new(&rig, Measure::new(Metric::Line));
+    let measuring = RigMeasure::new(&rig, Measure::new(Metric::Line));
     let pose = |frame: &[_]| measuring.pose(&pair.rotations(frame));
     let (a, b) = (pose(&pair.a.frames[a])?, pose(&pair.b.frames[b])?);
     Ok(f64::from(measuring.distance(&a, &b, &mut Workspace::new())))

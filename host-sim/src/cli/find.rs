@@ -9,9 +9,9 @@ use clap::ValueEnum;
 use sinew_figure::Mapping;
 use sinew_figure::pipeline::{Notice, Settings};
 use sinew_host_util::command::{ThreadArgs, note, print, with_progress};
-use sinew_pose_metrics::find::{self, Library, Limits, Part, Query, Reference, Search};
+use sinew_pose_metrics::find::{self, ClipPart, Library, Limits, Query, Reference, Search};
 use sinew_pose_metrics::spatial::{
-    BODY_COUNT, BODY_COUNT_MAX, Measure, MeasureArgs, Measuring, Rigid, SpatialRig,
+    BODY_COUNT, BODY_COUNT_MAX, Measure, MeasureArgs, RigMeasure, Rigid, SpatialRig,
 };
 use sinew_report::moments as picture;
 
@@ -165,7 +165,7 @@ impl Args {
     ) -> anyhow::Result<()> {
         let rig = SpatialRig::<N>::sized(&rigid.skeleton, self.measure.root.as_deref())
             .with_context(|| query.file.display().to_string())?;
-        let measuring = Measuring::new(&rig, measure);
+        let measuring = RigMeasure::new(&rig, measure);
         let of_query = query.measured(&measuring, rigid)?;
         let of_clips = library.measured(&measuring, rigid)?;
         let apart = frames(self.apart_s * self.rate_hz);
@@ -214,7 +214,7 @@ impl Args {
         let place = |file: &PathBuf| file.canonicalize().ok();
         let clip = library.clips.iter().position(|clip| place(&clip.file) == place(&query.file))?;
         note(format_args!("{}: where the query is from does not count", query.name));
-        if self.like.part == Part::Whole {
+        if self.like.part == ClipPart::Whole {
             return Some((clip, 0..usize::MAX));
         }
         let shelved = &library.clips[clip];

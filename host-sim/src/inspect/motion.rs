@@ -3,13 +3,12 @@
 use std::path::Path;
 
 use glam::DVec3;
-use sinew_figure::mapping;
 use sinew_figure::measured::{self, By, Measured, Told};
 use sinew_figure::pipeline::tpose;
+use sinew_figure::{limb_landmark, mapping};
 use sinew_mocap::damage::{check_bones, take_out_jumps};
 use sinew_mocap::{Recording, flips, format, gaps};
 use sinew_retarget::skeleton::SkeletonMatch;
-use sinew_retarget::{Landmark, Side};
 
 use super::inspected::{Common, Inspected, Kind};
 use super::maker;
@@ -53,7 +52,7 @@ fn in_metres(
     matched: &SkeletonMatch,
     known_s: Option<f64>,
 ) {
-    let joint = |body: &str| matched.joint(limb(body)?);
+    let joint = |body: &str| matched.joint(limb_landmark(body)?);
     let rest_m = recording.skeleton.rest_positions_m();
     let at = |body: &str| joint(body).map_or(DVec3::NAN, |joint| rest_m[joint]);
     inspected.t_pose = if tpose::is_inserted(&recording, joint) {
@@ -78,19 +77,4 @@ fn in_metres(
         }
         Err(gap) => inspected.notes.push(gap.to_string()),
     }
-}
-
-/// The landmark at the origin of a limb's body of the figure.
-pub(super) fn limb(body: &str) -> Option<Landmark> {
-    let (part, side) = body.rsplit_once('_')?;
-    let side = if side == "l" { Side::Left } else { Side::Right };
-    Some(match part {
-        "upper_arm" => Landmark::Shoulder(side),
-        "forearm" => Landmark::Elbow(side),
-        "hand" => Landmark::Wrist(side),
-        "thigh" => Landmark::Hip(side),
-        "shank" => Landmark::Knee(side),
-        "foot" => Landmark::Ankle(side),
-        _ => return None,
-    })
 }

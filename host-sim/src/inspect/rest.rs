@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use glam::DVec3;
+use sinew_figure::limb_landmark;
 use sinew_figure::measured::{self, Measured, Told};
 use sinew_figure::pipeline::tpose;
 use sinew_pose_metrics::character::{self, Character, Options};
 use sinew_retarget::skeleton::SkeletonMatch;
 
 use super::inspected::{Common, Inspected, Kind};
-use super::{maker, motion};
+use super::maker;
 
 pub(super) fn character(path: &Path, told: Told) -> Result<Inspected, String> {
     let read = |told| character::read(path, &Options { told, frame: None });
@@ -66,7 +67,7 @@ pub(super) fn of_character(
         "as you say".clone_into(&mut inspected.unit_reason);
     }
     let rest_m = rest.skeleton.rest_positions_m();
-    let joint = |body: &str| matched.joint(motion::limb(body)?);
+    let joint = |body: &str| matched.joint(limb_landmark(body)?);
     let at = |body: &str| joint(body).map_or(DVec3::NAN, |joint| rest_m[joint]);
     inspected.t_pose = tpose::is_t(at).then_some("at rest");
     if let Some(mesh) = character.mesh() {

@@ -6,6 +6,7 @@ use sinew_rig::Mechanism;
 use sinew_rig::review::Servos;
 
 use crate::page::{Page, with_page};
+use crate::player::{clock, it_plays_and_stops, seek};
 
 const RATE_HZ: f64 = 100.0;
 
@@ -60,30 +61,6 @@ fn a_builder_sees_what_a_show_asks_of_a_rig() {
             page.assert_fits(width);
         }
     });
-}
-
-fn clock(page: &Page) -> f64 {
-    let text = page.ask("document.getElementById('clock').textContent");
-    text.as_str().unwrap().trim_end_matches(" s").parse().unwrap()
-}
-
-fn seek(page: &Page, time_s: f64) {
-    page.ask(&format!(
-        "(s => {{ s.value = {time_s}; s.dispatchEvent(new Event('input')); }})
-            (document.getElementById('scrubber')) ?? 0"
-    ));
-    page.settle();
-}
-
-fn it_plays_and_stops(page: &Page) {
-    let before = page.pixels();
-    page.wait_ms(300);
-    assert_ne!(page.pixels(), before, "it moves");
-    page.ask("document.getElementById('play').click()");
-    page.settle();
-    let time = clock(page);
-    page.wait_ms(300);
-    assert!((clock(page) - time).abs() < 1e-9, "it stands");
 }
 
 fn the_keyboard_goes_through_time(page: &Page) {

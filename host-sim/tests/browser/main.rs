@@ -5,6 +5,7 @@ mod common;
 mod devtools;
 mod feasibility;
 mod page;
+mod player;
 mod recording;
 mod report;
 mod rig;

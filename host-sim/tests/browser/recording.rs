@@ -6,6 +6,7 @@ use sinew_performance::play::{Part, Recording};
 
 use crate::common::{sinew_in, text};
 use crate::page::{Page, with_page};
+use crate::player::{clock, it_plays_and_stops, seek};
 
 /// A recording of an arm of three that plays for 2 s, and its page.
 fn recorded(folder: &Path) -> [std::path::PathBuf; 2] {
@@ -44,34 +45,10 @@ fn a_builder_sees_how_a_rig_followed() {
     });
 }
 
-fn clock(page: &Page) -> f64 {
-    let text = page.ask("document.getElementById('clock').textContent");
-    text.as_str().unwrap().trim_end_matches(" s").parse().unwrap()
-}
-
 fn choose(page: &Page, joint: usize) {
     page.ask(&format!(
         "(s => {{ s.value = {joint}; s.dispatchEvent(new Event('change')); }})(document.getElementById('joint')) ?? 0"
     ));
-}
-
-fn seek(page: &Page, time_s: f64) {
-    page.ask(&format!(
-        "(s => {{ s.value = {time_s}; s.dispatchEvent(new Event('input')); }})
-            (document.getElementById('scrubber')) ?? 0"
-    ));
-    page.settle();
-}
-
-fn it_plays_and_stops(page: &Page) {
-    let before = page.pixels();
-    page.wait_ms(300);
-    assert_ne!(page.pixels(), before, "it moves");
-    page.ask("document.getElementById('play').click()");
-    page.settle();
-    let time = clock(page);
-    page.wait_ms(300);
-    assert!((clock(page) - time).abs() < 1e-9, "it stands");
 }
 
 /// Numbers go through 16 bits and one decimal, and come out as they were.

@@ -8,7 +8,7 @@ use sinew_figure::pipeline::{Notice, Settings, load_paths, prepare, tpose};
 use sinew_figure::{BODIES, BODY_COUNT, FigureMotion};
 use sinew_mocap::deepmimic::skeleton;
 use sinew_mocap::flips::Flips;
-use sinew_mocap::gaps::Filled;
+use sinew_mocap::gaps::FilledGaps;
 use sinew_mocap::{Clip, Recording, bvh, gaps};
 
 /// One line of an `index.csv`.
@@ -70,7 +70,7 @@ fn read(entry: &Entry) -> (Recording, &'static str, Binding) {
 }
 
 /// The recording in metres, at its own rate or else its mapping's. It must have no gaps.
-fn gapless(recording: Recording) -> (Clip, Filled) {
+fn gapless(recording: Recording) -> (Clip, FilledGaps) {
     let mapping = mapping::choose(&recording.skeleton).expect("a known skeleton");
     let frame_time_s = mapping.frame_time_s(&recording).expect("a rate");
     gaps::fill(recording.in_metres(mapping.metres_per_unit), frame_time_s, 0.0).expect("no gaps")

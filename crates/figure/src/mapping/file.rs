@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use sinew_host_util::parse_message;
-use sinew_mocap::skeleton_map::{Part, Signature};
+use sinew_mocap::skeleton_map::{BodyJoints, Signature};
 use sinew_mocap::{Kind, SkeletonMap, Up, read};
 
 use crate::{BODIES, BODY_COUNT};
@@ -145,7 +145,7 @@ pub struct Mapping {
     /// How the skeleton is known.
     pub signature: Signature,
     /// What makes each body, in the figure's order.
-    pub parts: Vec<Part>,
+    pub parts: Vec<BodyJoints>,
 }
 
 impl Mapping {

@@ -10,7 +10,7 @@ mod found;
 mod known;
 
 use glam::{DQuat, DVec3};
-use sinew_mocap::skeleton_map::{NoEnd, Part};
+use sinew_mocap::skeleton_map::{BodyJoints, MissingEnd};
 use sinew_mocap::{Clip, JointSample, Recording, Skeleton, forward_kinematics};
 
 use super::BODIES;
@@ -84,7 +84,7 @@ impl Placed {
     /// Body `i`, its parent placed before; `None` if a mistake leaves nothing to go on with.
     fn new(
         i: usize,
-        part: &Part,
+        part: &BodyJoints,
         prefix: &str,
         parent: Option<Self>,
         (skeleton, rest_m): (&Skeleton, &[DVec3]),
@@ -101,11 +101,11 @@ impl Placed {
         let (origin, rotation) = (find(&part.origin), find(&part.rotation));
         let end_m = match part.end.behind(prefix, skeleton, rest_m) {
             Ok(end_m) => Some(end_m),
-            Err(NoEnd::Joint(joint)) => {
+            Err(MissingEnd::Joint(joint)) => {
                 mistakes.push(Mistake::NoSuchJoint { body, joint });
                 None
             }
-            Err(NoEnd::Site(joint)) => {
+            Err(MissingEnd::Site(joint)) => {
                 mistakes.push(Mistake::NoEndSite { body, joint });
                 None
             }

@@ -74,7 +74,7 @@ pub fn load_clip(file: &ClipFile, settings: &Settings) -> Result<(LoadedClip, Ve
     let (clip, filled) = gaps::fill(recording, frame_time_s, settings.gap_max_s)
         .map_err(|source| unfilled(&name(), &jumps, source.after(skipped)))?;
     if !jumps.is_empty() {
-        notices.push(Notice::Jumps(jumps));
+        notices.push(Notice::RemovedJumps(jumps));
     }
     if !filled.gaps.is_empty() {
         notices.push(Notice::GapsFilled(filled.after(skipped)));

@@ -6,11 +6,11 @@ pub mod tpose;
 
 use std::path::PathBuf;
 
-use sinew_mocap::damage::{Jumps, LongBone, check_bones, take_out_jumps};
+use sinew_mocap::damage::{LongBone, RemovedJumps, check_bones, take_out_jumps};
 use sinew_mocap::files::{self, ClipFile};
-use sinew_mocap::filter::{LowPass, RotationsCancel};
+use sinew_mocap::filter::{FilterError, LowPass};
 use sinew_mocap::flips::{self, Flips};
-use sinew_mocap::gaps::{self, Filled, Unfillable};
+use sinew_mocap::gaps::{self, FilledGaps, GapError};
 use sinew_mocap::resample::resample;
 use sinew_mocap::text::counted;
 use sinew_mocap::{Recording, format};
@@ -91,10 +91,10 @@ pub enum Notice {
     },
     /// Samples that no body can have were taken out.
     #[error("{0}")]
-    Jumps(Jumps),
+    RemovedJumps(RemovedJumps),
     /// Missing samples were made up.
     #[error("{0}")]
-    GapsFilled(Filled),
+    GapsFilled(FilledGaps),
     /// Joints turn as no human's do.
     #[error("{0}")]
     JointFlips(Flips),
@@ -141,7 +141,7 @@ pub enum Error {
         /// Name of the clip.
         clip: String,
         /// Where, in the frames of the recording.
-        source: Unfillable,
+        source: GapError,
     },
     /// A joint cannot be low-passed.
     #[error("{clip}: {source}")]
@@ -149,7 +149,7 @@ pub enum Error {
         /// Name of the clip.
         clip: String,
         /// Where, in the frames of the recording.
-        source: RotationsCancel,
+        source: FilterError,
     },
     /// Nothing to move is left.
     #[error(
@@ -348,7 +348,7 @@ pub fn prepare(
     let (mut clip, filled) = gaps::fill(recording, frame_time_s, settings.gap_max_s)
         .map_err(|source| unfilled(&name, &jumps, source.after(skipped)))?;
     if !jumps.is_empty() {
-        notices.push(Notice::Jumps(jumps));
+        notices.push(Notice::RemovedJumps(jumps));
     }
     if !filled.gaps.is_empty() {
         notices.push(Notice::GapsFilled(filled.after(skipped)));
@@ -405,7 +405,7 @@ fn believed(clip: &str, binding: &Binding, recording: &Recording) -> Result<(), 
 }
 
 /// A gap that cannot be filled; where samples were taken out, that they were.
-fn unfilled(clip: &str, jumps: &Jumps, source: Unfillable) -> Error {
+fn unfilled(clip: &str, jumps: &RemovedJumps, source: GapError) -> Error {
     let clip = if jumps.is_empty() {
         clip.to_owned()
     } else {

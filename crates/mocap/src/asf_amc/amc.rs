@@ -2,9 +2,10 @@
 
 use glam::DQuat;
 
+use super::Problem;
 use super::asf::{Asf, Bone};
+use super::channel::{Channel, composed};
 use super::lines::{Failure, Line, Lines, Word};
-use super::{Channel, Problem, composed};
 use crate::recording::{self, FRAME_TIME_S, Frames};
 use crate::skeleton::JointSample;
 use crate::text::{counted, shown};

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use glam::{DQuat, DVec3};
 
+use super::Problem;
+use super::channel::{Channel, composed};
 use super::lines::{Failure, Line, Lines, Word};
-use super::{Channel, Problem, composed};
 use crate::recording::JOINT_COUNT_MAX;
 use crate::skeleton::{Skeleton, SkeletonJoint};
 use crate::text::{Position, shown};

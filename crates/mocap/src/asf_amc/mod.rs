@@ -16,12 +16,11 @@
 
 mod amc;
 mod asf;
+mod channel;
 mod error;
 mod lines;
 
 use std::path::{Path, PathBuf};
-
-use glam::{DQuat, DVec3};
 
 pub use error::{Error, Problem};
 
@@ -104,20 +103,6 @@ pub fn find_asf(amc: &Path) -> Result<PathBuf, Error> {
             found: files.len(),
         }),
     }
-}
-
-/// What a value of a motion moves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Channel {
-    Position(usize),
-    Rotation(usize),
-}
-
-/// Composes rotations about fixed axes, in radians: the first is applied first.
-fn composed(turns: impl IntoIterator<Item = (usize, f64)>) -> DQuat {
-    turns.into_iter().fold(DQuat::IDENTITY, |rotation, (axis, angle_rad)| {
-        DQuat::from_axis_angle(DVec3::AXES[axis], angle_rad) * rotation
-    })
 }
 
 #[cfg(test)]

@@ -9,10 +9,10 @@ mod pair;
 mod table;
 mod transition;
 
-pub use nearest::{Nearest, Places, nearest};
+pub use nearest::{FrameRanges, Nearest, nearest};
 pub use pair::{Pair, PairError};
 pub use table::{Outcome, Side, json, text};
-pub use transition::{Blend, Peak, blend};
+pub use transition::{Blend, PeakSpeed, blend};
 
 pub use transition::least_jerk;
 

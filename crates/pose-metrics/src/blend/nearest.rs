@@ -12,7 +12,7 @@ use crate::geodesic::{Options, RigError, solve};
 
 /// Where the blend's middle may be: frames of both clips.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Places {
+pub struct FrameRanges {
     /// Of the first.
     pub a: RangeInclusive<usize>,
     /// Of the second.
@@ -58,7 +58,7 @@ const ROUNDING: f64 = 1.0 - 1e-9;
 /// If there are no places, or frames beyond the clips.
 pub fn nearest(
     pair: &Pair,
-    places: &Places,
+    places: &FrameRanges,
     done: impl Fn(usize) + Sync,
 ) -> Result<Nearest, RigError> {
     let (frames_a, of_a) = moving(pair, &pair.a.frames, &places.a);

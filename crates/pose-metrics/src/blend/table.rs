@@ -42,19 +42,19 @@ impl Side<'_> {
         clippy::cast_sign_loss,
         reason = "a frame of the file"
     )]
-    fn place(&self, frame: usize, frame_time_s: f64) -> Place {
+    fn place(&self, frame: usize, frame_time_s: f64) -> FrameTime {
         let time_s = self.start_s + frame as f64 * frame_time_s;
-        Place { time_s, frame: libm::round(time_s * self.file_rate_hz) as usize }
+        FrameTime { time_s, frame: libm::round(time_s * self.file_rate_hz) as usize }
     }
 }
 
 #[derive(Serialize, Clone, Copy)]
-struct Place {
+struct FrameTime {
     time_s: f64,
     frame: usize,
 }
 
-impl std::fmt::Display for Place {
+impl std::fmt::Display for FrameTime {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{:.3} s (frame {})", self.time_s, self.frame)
     }
@@ -63,7 +63,7 @@ impl std::fmt::Display for Place {
 impl Outcome<'_> {
     /// Places where the first clip is left, where the second is entered, and of both the middle of the blend; then
     /// where the second plays alone.
-    fn places(&self) -> [Place; 4] {
+    fn places(&self) -> [FrameTime; 4] {
         let Self { a, b, nearest, blend, .. } = self;
         let half = (blend.last - blend.first) / 2;
         let dt_s = blend.clip.frame_time_s;
@@ -148,10 +148,10 @@ struct Document<'a> {
     schema: &'static str,
     a: &'a str,
     b: &'a str,
-    leaves_a: Place,
-    enters_b: Place,
-    middle_a: Place,
-    middle_b: Place,
+    leaves_a: FrameTime,
+    enters_b: FrameTime,
+    middle_a: FrameTime,
+    middle_b: FrameTime,
     blend_s: f64,
     geodesic_m: f64,
     line_m: f64,

@@ -58,7 +58,7 @@ fn pair() -> Pair {
 #[test]
 fn the_nearest_pair_is_the_one_that_solving_all_finds() {
     let pair = pair();
-    let places = Places { a: 30..=52, b: 40..=60 };
+    let places = FrameRanges { a: 30..=52, b: 40..=60 };
     let found = nearest(&pair, &places, |_| ()).unwrap();
     let mut best = (f64::INFINITY, 0, 0);
     for a in places.a.clone() {
@@ -147,7 +147,7 @@ fn both_clips_go_on_and_nothing_jumps() {
 fn a_blend_of_a_clip_with_itself_is_the_clip() {
     let clip = motion(1.0, 0.3, 0.0, 60.0, 100);
     let pair = Pair::new(clip.clone(), &clip).unwrap();
-    let places = Places { a: 50..=50, b: 20..=80 };
+    let places = FrameRanges { a: 50..=50, b: 20..=80 };
     let found = nearest(&pair, &places, |_| ()).unwrap();
     assert_eq!((found.a, found.b), (50, 50));
     assert!(found.geodesic_m < 1e-9);
@@ -216,6 +216,6 @@ fn clips_that_stand_still_are_compared_once() {
     let still = |clip: Clip| Clip { frames: vec![clip.frames[0].clone(); 200], ..clip };
     let [a, b] = [0.0, 1.0].map(|phase| still(motion(1.0, 0.3, phase, 60.0, 1)));
     let pair = Pair::new(a, &b).unwrap();
-    let found = nearest(&pair, &Places { a: 20..=180, b: 20..=180 }, |_| ()).unwrap();
+    let found = nearest(&pair, &FrameRanges { a: 20..=180, b: 20..=180 }, |_| ()).unwrap();
     assert_eq!((found.a, found.b, found.pairs, found.solved), (20, 20, 161 * 161, 1));
 }

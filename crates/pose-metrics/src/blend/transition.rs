@@ -29,9 +29,9 @@ pub struct Blend {
     /// way: curves that did not converge may lie apart from frame to frame, and the motion would jump.
     pub gave_up: usize,
     /// The fastest joint in the blend.
-    pub fastest: Peak,
+    pub fastest: PeakSpeed,
     /// The fastest joint of both clips meanwhile, each as it plays alone.
-    pub fastest_alone: Peak,
+    pub fastest_alone: PeakSpeed,
     /// Speed of the fastest joint by step between frames, m/s: of the motion, and of both clips alone in the frames
     /// of the blend.
     pub speeds: [Vec<f64>; 3],
@@ -39,7 +39,7 @@ pub struct Blend {
 
 /// The speed of a joint.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Peak {
+pub struct PeakSpeed {
     /// Its name.
     pub joint: String,
     /// Its speed, m/s.
@@ -223,7 +223,7 @@ fn speeds(
     clip: &Clip,
     frames: &[Vec<JointSample>],
     steps: Option<std::ops::Range<usize>>,
-) -> (Vec<f64>, Peak) {
+) -> (Vec<f64>, PeakSpeed) {
     let worlds: Vec<_> =
         frames.iter().map(|frame| forward_kinematics(&clip.skeleton, frame)).collect();
     let fastest = |pair: &[Vec<JointSample>]| {
@@ -235,6 +235,7 @@ fn speeds(
     let among = &each[steps.unwrap_or(0..each.len())];
     let (joint, way_m) =
         among.iter().fold((0, 0.0), |best, next| if next.1 > best.1 { *next } else { best });
-    let peak = Peak { joint: clip.skeleton.joints[joint].name.clone(), speed_m_s: speed(way_m) };
+    let peak =
+        PeakSpeed { joint: clip.skeleton.joints[joint].name.clone(), speed_m_s: speed(way_m) };
     (each.into_iter().map(|(_, way_m)| speed(way_m)).collect(), peak)
 }

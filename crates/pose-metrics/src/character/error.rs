@@ -34,7 +34,7 @@ pub enum Error {
 #[error("{place}{item}: expected {expected}, found {found}")]
 pub struct Refusal {
     /// Where in the file.
-    pub place: Place,
+    pub place: FilePosition,
     /// What is wrong.
     pub item: String,
     /// What would be right.
@@ -45,7 +45,7 @@ pub struct Refusal {
 
 /// A place in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Place {
+pub enum FilePosition {
     /// The file as a whole.
     #[default]
     File,
@@ -55,7 +55,7 @@ pub enum Place {
     Line(u32, u32),
 }
 
-impl Display for Place {
+impl Display for FilePosition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::File => Ok(()),
@@ -67,8 +67,8 @@ impl Display for Place {
 
 impl Refusal {
     /// At this place, unless a nearer one is known.
-    pub(super) fn at(self, place: Place) -> Self {
-        if self.place == Place::File { Self { place, ..self } } else { self }
+    pub(super) fn at(self, place: FilePosition) -> Self {
+        if self.place == FilePosition::File { Self { place, ..self } } else { self }
     }
 
     /// In this item, as `vertex 7: weights`.
@@ -84,7 +84,7 @@ pub(super) fn refuse(
     found: impl Display,
 ) -> Refusal {
     Refusal {
-        place: Place::File,
+        place: FilePosition::File,
         item: item.into(),
         expected: expected.into(),
         found: found.to_string(),

@@ -13,7 +13,7 @@
 
 use glam::DVec3;
 
-use super::error::{Place, Refusal, refuse};
+use super::error::{FilePosition, Refusal, refuse};
 use super::limits::{A_PLACE, JOINT_COUNT_MAX, is_place};
 use super::mesh::{Mesh, shares};
 use super::model::{Character, Joint};
@@ -69,7 +69,7 @@ impl<'a> Bytes<'a> {
         }
         if bones > JOINT_COUNT_MAX as u64 {
             let expected = format!("at most {JOINT_COUNT_MAX} bones");
-            return Err(refuse("a Geno.bin", expected, bones).at(Place::Byte(8)));
+            return Err(refuse("a Geno.bin", expected, bones).at(FilePosition::Byte(8)));
         }
         Ok(stored.map(|count| usize::try_from(count).expect("no more than the file has bytes")))
     }
@@ -89,7 +89,7 @@ impl<'a> Bytes<'a> {
     }
 
     fn vector(&mut self, item: impl FnOnce() -> String) -> Result<DVec3, Refusal> {
-        let place = Place::Byte(self.at);
+        let place = FilePosition::Byte(self.at);
         let vector = DVec3::from_array(core::array::from_fn(|_| self.number()));
         if is_place(vector) {
             return Ok(vector);
@@ -105,7 +105,7 @@ impl<'a> Bytes<'a> {
         let indices_at = self.at;
         let indices = self.take(vertices * 4).chunks_exact(4);
         let skin = indices.enumerate().map(|(vertex, indices)| {
-            let place = Place::Byte(self.at);
+            let place = FilePosition::Byte(self.at);
             let weights: [f64; 4] = core::array::from_fn(|_| self.number());
             let pairs = indices.iter().map(|bone| usize::from(*bone)).zip(weights);
             let in_vertex = |r: Refusal| r.of(format!("vertex {vertex}")).at(place);
@@ -115,7 +115,7 @@ impl<'a> Bytes<'a> {
                 return Err(in_vertex(refuse("weights", "a sum of 1", "another")));
             }
             if let Some((bone, _)) = shares.iter().find(|(bone, _)| *bone >= bones) {
-                let place = Place::Byte(indices_at + 4 * vertex);
+                let place = FilePosition::Byte(indices_at + 4 * vertex);
                 let refusal =
                     refuse(format!("vertex {vertex}"), format!("bones below {bones}"), bone);
                 return Err(refusal.at(place));
@@ -127,7 +127,7 @@ impl<'a> Bytes<'a> {
 
     fn triangles(&mut self, count: usize, vertices: usize) -> Result<Vec<[usize; 3]>, Refusal> {
         let triangle = |triangle| {
-            let place = Place::Byte(self.at);
+            let place = FilePosition::Byte(self.at);
             let corners: [usize; 3] =
                 core::array::from_fn(|_| usize::from(u16::from_le_bytes(self.array())));
             match corners.iter().find(|corner| **corner >= vertices) {
@@ -146,7 +146,7 @@ impl<'a> Bytes<'a> {
             (0..bones).map(|bone| self.bone(bone, bones)).collect::<Result<_, _>>()?;
         let joint = |(bone, (name, parent))| {
             let position_m = self.vector(|| format!("bone {bone} `{name}`"))?;
-            let place = Place::Byte(self.at);
+            let place = FilePosition::Byte(self.at);
             let rest: [f64; 7] = core::array::from_fn(|_| self.number());
             // Neither is used, but what is not finite is a sign of damage.
             if rest.iter().all(|number| number.is_finite()) {
@@ -159,7 +159,7 @@ impl<'a> Bytes<'a> {
     }
 
     fn bone(&mut self, bone: usize, bones: usize) -> Result<(String, Option<usize>), Refusal> {
-        let place = Place::Byte(self.at);
+        let place = FilePosition::Byte(self.at);
         let name = self.take(NAME);
         let end = name.iter().position(|byte| *byte == 0).unwrap_or(NAME);
         let name = core::str::from_utf8(&name[..end]).unwrap_or_default();
@@ -167,7 +167,7 @@ impl<'a> Bytes<'a> {
             let found = "other bytes";
             return Err(refuse(format!("bone {bone}"), "a name in UTF-8", found).at(place));
         }
-        let place = Place::Byte(self.at);
+        let place = FilePosition::Byte(self.at);
         let parent = i32::from_le_bytes(self.array());
         if parent == -1 {
             return Ok((name.to_owned(), None));

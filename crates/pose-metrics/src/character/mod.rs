@@ -17,7 +17,7 @@ mod urdf;
 
 use std::path::Path;
 
-pub use error::{Error, NAMES, Place, Refusal};
+pub use error::{Error, FilePosition, NAMES, Refusal};
 pub(crate) use limits::COORDINATE_MAX_M;
 pub use mesh::Mesh;
 pub use model::{Character, Joint};

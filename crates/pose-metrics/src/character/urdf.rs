@@ -13,7 +13,7 @@ use roxmltree::Node;
 use sinew_mocap::encoding;
 use sinew_rig::import::document;
 
-use super::error::{Place, Refusal, refuse};
+use super::error::{FilePosition, Refusal, refuse};
 use super::limits::JOINT_COUNT_MAX;
 use super::model::{Character, Joint};
 
@@ -23,10 +23,11 @@ use super::model::{Character, Joint};
 /// [`Refusal`] with line and column if it is not XML, no robot, or its joints and links are no tree.
 pub(super) fn parse(bytes: &[u8], name: String) -> Result<Character, Refusal> {
     let text = encoding::decoded(bytes).map_err(|error| {
-        refuse("a URDF", "text in UTF-8 or UTF-16", "other bytes").at(Place::Byte(error.at()))
+        refuse("a URDF", "text in UTF-8 or UTF-16", "other bytes")
+            .at(FilePosition::Byte(error.at()))
     })?;
     let document = document(&text).map_err(|error| {
-        let at = Place::Line(error.place.line, error.place.column);
+        let at = FilePosition::Line(error.place.line, error.place.column);
         refuse("a URDF", error.expected, error.found).at(at)
     })?;
     let robot = document.root_element();
@@ -229,7 +230,7 @@ fn vector(node: Node<'_, '_>, name: &str, expected: &str, max: f64) -> Result<DV
         .ok_or_else(|| refuse(name, expected, format!("`{text}`")).at(place(node)))
 }
 
-fn place(node: Node<'_, '_>) -> Place {
+fn place(node: Node<'_, '_>) -> FilePosition {
     let at = node.document().text_pos_at(node.range().start);
-    Place::Line(at.row, at.col)
+    FilePosition::Line(at.row, at.col)
 }

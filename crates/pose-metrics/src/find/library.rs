@@ -12,8 +12,8 @@ use sinew_mocap::resample::resample;
 use sinew_mocap::{Clip, JointSample, Skeleton, moving_root};
 
 use super::joints::{Mismatch, same_joints};
-use super::reference::{Part, Reference, ReferenceError};
-use crate::spatial::{MeasuredPose, Measuring, Rigid};
+use super::reference::{ClipPart, Reference, ReferenceError};
+use crate::spatial::{MeasuredPose, RigMeasure, Rigid};
 
 /// What is looked for.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,7 +81,7 @@ impl Query {
         let (first, last) = reference.frames(&recorded)?;
         let LoadedClip { clip, skipped, mapping, .. } = recorded;
         let (skeleton, joints) = clip.skeleton.subtree(moving_root(&[&clip]));
-        let is_pose = matches!(reference.part, Part::Pose(_));
+        let is_pose = matches!(reference.part, ClipPart::Pose(_));
         let start_s = (skipped + first) as f64 * clip.frame_time_s;
         let part = Clip { frames: clip.frames[first..=last].to_vec(), ..clip };
         // A single frame is taken as it is.
@@ -100,7 +100,7 @@ fn rotations(clip: &Clip, joints: &[usize]) -> Vec<Vec<DQuat>> {
 
 /// A clip that is searched.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shelved {
+pub struct LibraryClip {
     /// Its file.
     pub file: PathBuf,
     /// The clip's name.
@@ -119,7 +119,7 @@ pub struct Shelved {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Library {
     /// In the order given.
-    pub clips: Vec<Shelved>,
+    pub clips: Vec<LibraryClip>,
     /// A line for each file of a folder that cannot be searched: which, and why.
     pub left_out: Vec<String>,
 }
@@ -138,11 +138,11 @@ impl Library {
         done: impl Fn(usize) + Sync,
     ) -> Result<Self, ReadError> {
         let expanded = files::expand_all(paths).map_err(pipeline::Error::from)?;
-        let read: Vec<Result<Shelved, ReadError>> = expanded
+        let read: Vec<Result<LibraryClip, ReadError>> = expanded
             .clips
             .par_iter()
             .map(|file| {
-                let shelved = Shelved::read(file, query, settings);
+                let shelved = LibraryClip::read(file, query, settings);
                 done(1);
                 shelved
             })
@@ -163,10 +163,10 @@ impl Library {
     /// [`ReadError::Pose`].
     pub fn measured<const N: usize>(
         &self,
-        measuring: &Measuring<'_, N>,
+        measuring: &RigMeasure<'_, N>,
         rigid: &Rigid,
     ) -> Result<Vec<Vec<MeasuredPose<N>>>, ReadError> {
-        let of_clip = |clip: &Shelved| measured(measuring, rigid, &clip.poses, &clip.file);
+        let of_clip = |clip: &LibraryClip| measured(measuring, rigid, &clip.poses, &clip.file);
         self.clips.par_iter().map(of_clip).collect()
     }
 }
@@ -176,7 +176,7 @@ impl Library {
 /// # Errors
 /// [`ReadError::Pose`] with the file they come from.
 pub(super) fn measured<const N: usize>(
-    measuring: &Measuring<'_, N>,
+    measuring: &RigMeasure<'_, N>,
     rigid: &Rigid,
     poses: &[Vec<DQuat>],
     file: &Path,
@@ -196,14 +196,14 @@ impl Query {
     /// [`ReadError::Pose`].
     pub fn measured<const N: usize>(
         &self,
-        measuring: &Measuring<'_, N>,
+        measuring: &RigMeasure<'_, N>,
         rigid: &Rigid,
     ) -> Result<Vec<MeasuredPose<N>>, ReadError> {
         measured(measuring, rigid, &self.poses, &self.file)
     }
 }
 
-impl Shelved {
+impl LibraryClip {
     fn read(file: &ClipFile, query: &Query, settings: &Settings) -> Result<Self, ReadError> {
         let (LoadedClip { clip, skipped, .. }, notices) = load_clip(file, settings)?;
         let joints = same_joints(&query.skeleton, &clip.skeleton);

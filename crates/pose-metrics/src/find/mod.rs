@@ -10,7 +10,7 @@ mod search;
 mod table;
 
 pub use joints::{Mismatch, same_joints};
-pub use library::{Library, Query, ReadError, Shelved};
-pub use reference::{At, Part, Reference, ReferenceError};
-pub use search::{Found, Limits, Moment, Search, Work};
+pub use library::{Library, LibraryClip, Query, ReadError};
+pub use reference::{ClipPart, ClipTime, Reference, ReferenceError};
+pub use search::{Found, Limits, Moment, Search, SearchStats};
 pub use table::{csv, json, text};

@@ -12,23 +12,23 @@ pub struct Reference {
     /// The file.
     pub file: PathBuf,
     /// The part.
-    pub part: Part,
+    pub part: ClipPart,
 }
 
 /// A part of a clip.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Part {
+pub enum ClipPart {
     /// All of it.
     Whole,
     /// One pose.
-    Pose(At),
+    Pose(ClipTime),
     /// From one place to another, both inside.
-    Range(At, At),
+    Range(ClipTime, ClipTime),
 }
 
 /// A place in a clip.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum At {
+pub enum ClipTime {
     /// A frame of the file, from 0; an inserted T-pose counts.
     Frame(usize),
     /// The frame next to a time, in seconds from frame 0.
@@ -55,11 +55,11 @@ pub enum ReferenceError {
         /// The file.
         file: String,
         /// The first frame that counts.
-        first: Place,
+        first: FrameTime,
         /// The last.
-        last: Place,
+        last: FrameTime,
         /// What was asked for.
-        found: At,
+        found: ClipTime,
     },
     /// The wrong way round.
     #[error("{file}: expected FROM before TO, found {from}..{to}")]
@@ -67,28 +67,28 @@ pub enum ReferenceError {
         /// The file.
         file: String,
         /// The first.
-        from: At,
+        from: ClipTime,
         /// The second.
-        to: At,
+        to: ClipTime,
     },
 }
 
 /// A frame with its time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
+pub struct FrameTime {
     /// The frame, from 0.
     pub frame: usize,
     /// Its time, in seconds from frame 0.
     pub seconds: f64,
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FrameTime {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "frame {} ({:.3} s)", self.frame, self.seconds)
     }
 }
 
-impl fmt::Display for At {
+impl fmt::Display for ClipTime {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Frame(frame) => write!(f, "{frame}"),
@@ -97,7 +97,7 @@ impl fmt::Display for At {
     }
 }
 
-impl At {
+impl ClipTime {
     fn parse(text: &str) -> Option<Self> {
         match text.strip_suffix('s') {
             None => text.parse().ok().map(Self::Frame),
@@ -113,14 +113,14 @@ impl FromStr for Reference {
     type Err = ReferenceError;
 
     fn from_str(text: &str) -> Result<Self, ReferenceError> {
-        let whole = || Self { file: text.into(), part: Part::Whole };
+        let whole = || Self { file: text.into(), part: ClipPart::Whole };
         let Some((file, after)) = text.rsplit_once('@') else { return Ok(whole()) };
         let part = match after.split_once("..") {
-            None => At::parse(after).map(Part::Pose),
-            Some((from, to)) => match (At::parse(from), At::parse(to)) {
-                (Some(from @ At::Frame(_)), Some(to @ At::Frame(_)))
-                | (Some(from @ At::Seconds(_)), Some(to @ At::Seconds(_))) => {
-                    Some(Part::Range(from, to))
+            None => ClipTime::parse(after).map(ClipPart::Pose),
+            Some((from, to)) => match (ClipTime::parse(from), ClipTime::parse(to)) {
+                (Some(from @ ClipTime::Frame(_)), Some(to @ ClipTime::Frame(_)))
+                | (Some(from @ ClipTime::Seconds(_)), Some(to @ ClipTime::Seconds(_))) => {
+                    Some(ClipPart::Range(from, to))
                 }
                 _ => None,
             },
@@ -142,9 +142,9 @@ impl Reference {
     pub fn frames(&self, recorded: &LoadedClip) -> Result<(usize, usize), ReferenceError> {
         let last = recorded.clip.frames.len() - 1;
         match self.part {
-            Part::Whole => Ok((0, last)),
-            Part::Pose(at) => self.frame(recorded, at).map(|frame| (frame, frame)),
-            Part::Range(from, to) => {
+            ClipPart::Whole => Ok((0, last)),
+            ClipPart::Pose(at) => self.frame(recorded, at).map(|frame| (frame, frame)),
+            ClipPart::Range(from, to) => {
                 let frames = (self.frame(recorded, from)?, self.frame(recorded, to)?);
                 if frames.0 >= frames.1 {
                     let file = self.file.display().to_string();
@@ -155,7 +155,7 @@ impl Reference {
         }
     }
 
-    fn frame(&self, recorded: &LoadedClip, at: At) -> Result<usize, ReferenceError> {
+    fn frame(&self, recorded: &LoadedClip, at: ClipTime) -> Result<usize, ReferenceError> {
         let LoadedClip { clip, skipped, .. } = recorded;
         #[expect(
             clippy::cast_possible_truncation,
@@ -163,12 +163,13 @@ impl Reference {
             reason = "not negative, and saturates"
         )]
         let frame = match at {
-            At::Frame(frame) => frame,
-            At::Seconds(seconds) => libm::round(seconds / clip.frame_time_s) as usize,
+            ClipTime::Frame(frame) => frame,
+            ClipTime::Seconds(seconds) => libm::round(seconds / clip.frame_time_s) as usize,
         };
         let inside = frame.checked_sub(*skipped).filter(|frame| *frame < clip.frames.len());
         inside.ok_or_else(|| {
-            let place = |frame: usize| Place { frame, seconds: frame as f64 * clip.frame_time_s };
+            let place =
+                |frame: usize| FrameTime { frame, seconds: frame as f64 * clip.frame_time_s };
             let (first, last) = (place(*skipped), place(skipped + clip.frames.len() - 1));
             ReferenceError::Outside {
                 file: self.file.display().to_string(),
@@ -187,11 +188,17 @@ mod tests {
     #[test]
     fn places_are_read() {
         let of = |text: &str| text.parse::<Reference>().map(|reference| reference.part);
-        assert_eq!(of("a.bvh"), Ok(Part::Whole));
-        assert_eq!(of("a.bvh@12"), Ok(Part::Pose(At::Frame(12))));
-        assert_eq!(of("a.bvh@1.25s"), Ok(Part::Pose(At::Seconds(1.25))));
-        assert_eq!(of("a.bvh@10..40"), Ok(Part::Range(At::Frame(10), At::Frame(40))));
-        assert_eq!(of("a.bvh@1s..2.5s"), Ok(Part::Range(At::Seconds(1.0), At::Seconds(2.5))));
+        assert_eq!(of("a.bvh"), Ok(ClipPart::Whole));
+        assert_eq!(of("a.bvh@12"), Ok(ClipPart::Pose(ClipTime::Frame(12))));
+        assert_eq!(of("a.bvh@1.25s"), Ok(ClipPart::Pose(ClipTime::Seconds(1.25))));
+        assert_eq!(
+            of("a.bvh@10..40"),
+            Ok(ClipPart::Range(ClipTime::Frame(10), ClipTime::Frame(40)))
+        );
+        assert_eq!(
+            of("a.bvh@1s..2.5s"),
+            Ok(ClipPart::Range(ClipTime::Seconds(1.0), ClipTime::Seconds(2.5)))
+        );
         assert_eq!("a@b@3".parse::<Reference>().unwrap().file, Path::new("a@b"));
         for bad in ["a@", "a@x", "a@-1", "a@1.5", "a@nans", "a@infs", "a@1..2s", "a@1s..", "a@-1s"]
         {

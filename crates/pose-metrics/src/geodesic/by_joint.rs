@@ -7,7 +7,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::joint::Axis;
 use super::pose_model::PoseModel;
-use super::rig::{Placed, Rig};
+use super::rig::{Rig, RigPose};
 
 /// The energy as a body and all that it carries add to it: `½ Vᵀ matrix V - pullᵀ V`, with V the velocity of the body
 /// in each pose: angular, and of its position.
@@ -29,7 +29,7 @@ struct Eliminated {
 /// O(joints · poses³).
 pub(super) fn solve(
     rig: &Rig,
-    placed: &[Placed],
+    placed: &[RigPose],
     poses: &[PoseModel],
     bends: bool,
     added: &[DVector<f64>],
@@ -108,7 +108,7 @@ fn add_positions(matrix: &mut DMatrix<f64>, weight: f64) {
 #[derive(Clone, Copy)]
 struct Joint<'a> {
     rig: &'a Rig,
-    placed: &'a [Placed],
+    placed: &'a [RigPose],
     poses: &'a [PoseModel],
     index: usize,
     first: usize,

@@ -3,7 +3,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::pose_model::PoseModel;
-use super::rig::{Placed, Rig};
+use super::rig::{Rig, RigPose};
 
 /// The matrix of second derivatives, without what is added to its diagonal.
 pub(super) struct Blocks {
@@ -16,7 +16,7 @@ pub(super) struct Blocks {
 impl Blocks {
     pub(super) fn new(
         rig: &Rig,
-        placed: &[Placed],
+        placed: &[RigPose],
         poses: &[PoseModel],
         has_second_derivatives: bool,
     ) -> Self {

@@ -4,12 +4,12 @@ use nalgebra::DVector;
 
 use super::joint::JointPosition;
 use super::limit::Limit;
-use super::rig::{Placed, Rig};
+use super::rig::{Rig, RigPose};
 
 /// A curve, and where it puts the joints.
 pub(super) struct Curve {
     pub(super) poses: Vec<Vec<JointPosition>>,
-    pub(super) placed: Vec<Placed>,
+    pub(super) placed: Vec<RigPose>,
     /// Of each pose between the ends.
     pub(super) limits: Vec<Vec<Limit>>,
     pub(super) energy_m2: f64,
@@ -25,7 +25,7 @@ impl Curve {
     }
 
     /// The poses between the ends.
-    pub(super) fn inner(&self) -> &[Placed] {
+    pub(super) fn inner(&self) -> &[RigPose] {
         &self.placed[1..self.placed.len() - 1]
     }
 

@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 use nalgebra::{DMatrix, DVector};
 
 use super::joint::Model;
-use super::rig::{Placed, Rig};
+use super::rig::{Rig, RigPose};
 
 /// What a force on every joint does to a rig, by column.
 #[derive(Debug, Clone)]
@@ -19,7 +19,7 @@ pub(super) struct Pull {
 
 impl Rig {
     /// W½ J at a pose: a column for each axis of each joint that moves.
-    pub(super) fn jacobian(&self, at: &Placed) -> DMatrix<f64> {
+    pub(super) fn jacobian(&self, at: &RigPose) -> DMatrix<f64> {
         let mut jacobian = DMatrix::zeros(3 * self.joints.len(), self.columns);
         for (column, (moving, axis)) in at.axes.iter().enumerate() {
             for (index, joint) in self.joints.iter().enumerate().skip(*moving) {
@@ -37,7 +37,7 @@ impl Rig {
     }
 
     /// Squared lengths of the Jacobian's columns. O(joints).
-    pub(super) fn squares(&self, at: &Placed) -> DVector<f64> {
+    pub(super) fn squares(&self, at: &RigPose) -> DVector<f64> {
         // Of what every joint carries: Σ w, Σ w r and Σ w r rᵀ, with r from the joint.
         let count = self.joints.len();
         let mut weight = vec![0.0; count];
@@ -67,7 +67,7 @@ impl Rig {
     }
 
     /// What a force on F does. O(joints).
-    pub(super) fn pull(&self, at: &Placed, force: &DVector<f64>) -> Pull {
+    pub(super) fn pull(&self, at: &RigPose, force: &DVector<f64>) -> Pull {
         let count = self.joints.len();
         // Of what every joint carries: the sum of forces, Σ r fᵀ about the joint, and the part of that which second
         // derivatives see.
@@ -105,7 +105,7 @@ impl Rig {
 
     /// Σ over all joints of the force times the second derivative of their (weighted) positions: how the surface that
     /// F makes bends, as seen along the force.
-    pub(super) fn bend(&self, at: &Placed, pull: &Pull) -> DMatrix<f64> {
+    pub(super) fn bend(&self, at: &RigPose, pull: &Pull) -> DMatrix<f64> {
         let mut bend = DMatrix::zeros(self.columns, self.columns);
         for (inner, (of_inner, _)) in at.axes.iter().enumerate() {
             for (outer, (of_outer, _)) in at.axes.iter().enumerate().take(inner + 1) {
@@ -123,7 +123,7 @@ impl Rig {
     ///
     /// An outer axis carries the velocity `u` that an inner one gives: `∂²p = a × u`. Of one ball joint, both orders'
     /// mean.
-    pub(super) fn bend_along(&self, at: &Placed, pull: &Pull, outer: usize, inner: usize) -> f64 {
+    pub(super) fn bend_along(&self, at: &RigPose, pull: &Pull, outer: usize, inner: usize) -> f64 {
         let ((of_outer, a), (of_inner, b)) = (&at.axes[outer], &at.axes[inner]);
         let (a, b) = (a.angular, b.angular);
         let is_ball = of_outer == of_inner

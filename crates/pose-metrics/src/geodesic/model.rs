@@ -35,7 +35,7 @@ pub(super) struct Direction {
 }
 
 /// A curve after a step.
-pub(super) struct Next {
+pub(super) struct NextCurve {
     pub(super) curve: Curve,
     /// How much less its energy is, with that of barriers, m².
     pub(super) gain_m2: f64,
@@ -96,7 +96,7 @@ impl Model {
     }
 
     /// The curve after a step. `None` if the step cannot be found.
-    pub(super) fn step(&self, rig: &Rig, curve: &Curve, damping: f64) -> Option<Next> {
+    pub(super) fn step(&self, rig: &Rig, curve: &Curve, damping: f64) -> Option<NextCurve> {
         let Direction { step, added } = self.direction(rig, curve, damping)?;
         // Of the step `s`, with (H + D) s = -g: -gᵀs and sᵀDs.
         let (mut slope, mut damped) = (0.0, 0.0);
@@ -107,7 +107,7 @@ impl Model {
         // What the model says of a share t of it: -t gᵀs - ½ t² sᵀHs.
         let less = |t: f64| t * slope - 0.5 * t * t * (slope - damped);
         let (next, share) = curve.stepped(rig, &step, self.height_m2);
-        Some(Next {
+        Some(NextCurve {
             gain_m2: curve.gain_m2(&next, self.height_m2),
             predicted_m2: less(share),
             decrement_m2: less(1.0),

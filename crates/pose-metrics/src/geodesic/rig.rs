@@ -98,7 +98,7 @@ pub enum RigError {
 
 /// Where a pose puts the joints, and how it can move them.
 #[derive(Debug, Clone)]
-pub(super) struct Placed {
+pub(super) struct RigPose {
     /// F: positions of all joints in one vector, each times the root of its weight.
     pub(super) f: DVector<f64>,
     pub(super) positions_m: Vec<DVec3>,
@@ -212,7 +212,7 @@ impl Rig {
     }
 
     /// Where a pose puts the joints.
-    pub(super) fn place(&self, pose: &[JointPosition]) -> Placed {
+    pub(super) fn place(&self, pose: &[JointPosition]) -> RigPose {
         let frames = self.frames(pose);
         let mut axes = Vec::with_capacity(self.columns);
         let mut of_joint = Vec::new();
@@ -231,7 +231,7 @@ impl Rig {
             .zip(&positions_m)
             .flat_map(|(joint, position)| (*position * libm::sqrt(joint.weight)).to_array());
         let f = DVector::from_iterator(3 * self.joints.len(), weighted);
-        Placed { f, positions_m, rotations, axes }
+        RigPose { f, positions_m, rotations, axes }
     }
 
     /// Whether a joint is another or carries it.
@@ -251,7 +251,7 @@ impl Rig {
     pub(super) fn stepped(
         &self,
         pose: &[JointPosition],
-        at: &Placed,
+        at: &RigPose,
         step: &[f64],
     ) -> Vec<JointPosition> {
         // Of each body: its rotation after the step, and the step's angular velocity.

@@ -3,7 +3,7 @@
 
 use super::curve::Curve;
 use super::joint::JointPosition;
-use super::model::{Model, Next};
+use super::model::{Model, NextCurve};
 use super::rig::{Rig, RigError};
 
 /// How to solve.
@@ -103,7 +103,7 @@ pub fn solve(
             }
             continue;
         };
-        let Next { curve: next, gain_m2, predicted_m2, decrement_m2 } = next;
+        let NextCurve { curve: next, gain_m2, predicted_m2, decrement_m2 } = next;
         // What is left to gain on barriers of this height is less than what lower ones give.
         let is_centred = decrement_m2 <= height_m2;
         let lower_m2 = if is_centred { (LOWER * height_m2).max(LOWER * enough) } else { height_m2 };

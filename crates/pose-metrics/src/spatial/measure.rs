@@ -108,7 +108,7 @@ impl fmt::Display for Measure {
 
 /// A measure on a rig.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Measuring<'r, const N: usize = BODY_COUNT> {
+pub struct RigMeasure<'r, const N: usize = BODY_COUNT> {
     rig: &'r SpatialRig<N>,
     space: PoseSpace<'r, N>,
     measure: Measure,
@@ -124,7 +124,7 @@ pub struct MeasuredPose<const N: usize = BODY_COUNT> {
     rotations: JointRotations<N>,
 }
 
-impl<'r, const N: usize> Measuring<'r, N> {
+impl<'r, const N: usize> RigMeasure<'r, N> {
     /// A measure on the poses of a rig.
     ///
     /// # Panics
@@ -242,7 +242,7 @@ mod tests {
     fn the_same_turn_counts_more_the_longer_the_bone() {
         let skeleton = builtin::clips()[0].skeleton.clone();
         let rig = SpatialRig::new(&skeleton, None).unwrap();
-        let measuring = Measuring::new(&rig, Measure::new(Metric::Rotations));
+        let measuring = RigMeasure::new(&rig, Measure::new(Metric::Rotations));
         let lengths_m = measuring.space().bone_lengths_m();
         let at_rest = vec![DQuat::IDENTITY; skeleton.joints.len()];
         let mut workspace = Workspace::new();

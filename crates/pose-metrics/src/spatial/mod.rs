@@ -7,7 +7,7 @@ mod rig;
 mod rigid;
 
 pub use matrix::Distances;
-pub use measure::{Measure, MeasuredPose, Measuring, Metric, Weighting, Workspace};
+pub use measure::{Measure, MeasuredPose, Metric, RigMeasure, Weighting, Workspace};
 pub use options::MeasureArgs;
 pub use rig::{SpatialError, SpatialRig};
 pub use rigid::Rigid;

@@ -17,12 +17,12 @@ pub enum Radii {
     /// The same for all.
     Uniform(f64),
     /// From a file, see [`read`].
-    Given(Given),
+    Given(RadiusTable),
 }
 
 /// The radii in a file.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Given {
+pub struct RadiusTable {
     file: PathBuf,
     /// Line and radius by the joint in which the bone ends.
     rows: BTreeMap<String, (u64, f64)>,
@@ -82,7 +82,7 @@ struct Row {
 /// # Errors
 /// [`Error::RadiusFile`] and [`Error::RadiusColumns`] if it is no such table, [`Error::RadiusRow`] for a radius that is
 /// negative, not finite or larger than any character, and for a joint that comes twice.
-pub fn read(file: &Path) -> Result<Given, Error> {
+pub fn read(file: &Path) -> Result<RadiusTable, Error> {
     let in_file = |source| Error::RadiusFile { file: file.to_path_buf(), source };
     let mut reader = csv::Reader::from_path(file).map_err(in_file)?;
     let mut rows = BTreeMap::new();
@@ -107,10 +107,10 @@ pub fn read(file: &Path) -> Result<Given, Error> {
             return refuse("each joint once", format!("it in line {first} too"));
         }
     }
-    Ok(Given { file: file.to_path_buf(), rows })
+    Ok(RadiusTable { file: file.to_path_buf(), rows })
 }
 
-impl Given {
+impl RadiusTable {
     fn of(&self, character: &Character) -> Result<Vec<f64>, Error> {
         for (joint, (line, _)) in &self.rows {
             if character.find(joint).is_none() {

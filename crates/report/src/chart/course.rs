@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 use sinew_evaluation::MethodName;
-use sinew_evaluation::detail::Course;
+use sinew_evaluation::detail::ErrorTrace;
 
 use super::axis::Axis;
 use super::frame::{Frame, chart, horizontal_axis, vertical_axis};
@@ -34,7 +34,7 @@ impl Statistic {
 
 /// One quantity of one clip and figure, a line per method.
 pub(crate) fn course(
-    courses: &[(MethodName, &Course)],
+    courses: &[(MethodName, &ErrorTrace)],
     dt_s: f64,
     quantity: Quantity,
     statistic: Statistic,
@@ -76,7 +76,12 @@ pub(crate) fn course(
 const POINTS: usize = 250;
 
 /// Middles of the stretches in seconds and their errors, neighbours joined to what can be distinguished.
-fn points(course: &Course, dt_s: f64, quantity: Quantity, statistic: Statistic) -> Vec<(f64, f64)> {
+fn points(
+    course: &ErrorTrace,
+    dt_s: f64,
+    quantity: Quantity,
+    statistic: Statistic,
+) -> Vec<(f64, f64)> {
     let joined = course.stretches().len().div_ceil(POINTS).max(1);
     let seconds_each = course.steps_each() as f64 * dt_s;
     let stretches = course.stretches().chunks(joined).enumerate();

@@ -4,7 +4,7 @@ use serde::Serialize;
 use sinew_retarget::feasibility::{CheckError, Efforts, Instant, Performance};
 use sinew_rig::Mechanism;
 
-use crate::course::{Channel, MOST, pack, spacing};
+use crate::traces::{Channel, MOST, pack, spacing};
 
 /// How often a second the performance is looked at.
 const LOOK_HZ: f64 = 250.0;
@@ -18,12 +18,12 @@ pub(super) struct Samples {
     pub(super) dt_s: f64,
     /// Joint coordinates at the samples.
     coordinates: Vec<Channel>,
-    courses: Courses,
+    courses: Traces,
 }
 
 /// By dof, of all looks next to a sample the one farthest from zero: no peak is lost.
 #[derive(Debug, Serialize)]
-struct Courses {
+struct Traces {
     speed: Vec<Channel>,
     acceleration: Vec<Channel>,
     effort: Vec<Channel>,
@@ -69,7 +69,7 @@ impl Samples {
         let packed = |courses: &[Vec<f64>]| courses.iter().map(|course| pack(course)).collect();
         let [speed, acceleration, effort] = peaks.each_ref().map(|courses| packed(courses));
         let dt_s = every as f64 / LOOK_HZ;
-        let courses = Courses { speed, acceleration, effort };
+        let courses = Traces { speed, acceleration, effort };
         Ok(Self { count, dt_s, coordinates: packed(&rows), courses })
     }
 

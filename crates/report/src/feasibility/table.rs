@@ -5,33 +5,23 @@ use sinew_performance::text;
 use sinew_retarget::feasibility::{DofLimits, DofPeaks, Excess, Kind};
 
 use super::data::Drawn;
+use crate::joint_table::joint_table;
 
 /// The most excesses that are listed: the script draws all of them.
 const LISTED: usize = 200;
 
 /// All joints.
 pub(super) fn joints(drawn: &Drawn<'_>) -> Markup {
-    html! {
-        div class="scroll" tabindex="0" role="region" aria-labelledby="joints-title" {
-            table id="joints" {
-                thead {
-                    tr {
-                        th scope="col" { "Joint" }
-                        th scope="col" { "Range used, °" }
-                        th scope="col" { "Speed, rad/s" }
-                        th scope="col" { "Acceleration, rad/s²" }
-                        th scope="col" { "Torque, N\u{a0}m" }
-                        th scope="col" { "RMS, N\u{a0}m" }
-                    }
-                }
-                tbody {
-                    @for (place, dof) in drawn.dofs.iter().enumerate() {
-                        (joint(drawn, place, dof.index))
-                    }
-                }
-            }
-        }
-    }
+    let head = [
+        "Joint",
+        "Range used, °",
+        "Speed, rad/s",
+        "Acceleration, rad/s²",
+        "Torque, N\u{a0}m",
+        "RMS, N\u{a0}m",
+    ];
+    let dofs = drawn.dofs.iter().enumerate();
+    joint_table(&head, &html! { @for (place, dof) in dofs { (joint(drawn, place, dof.index)) } })
 }
 
 fn joint(drawn: &Drawn<'_>, place: usize, index: usize) -> Markup {

@@ -4,7 +4,8 @@ use maud::{Markup, html};
 use sinew_performance::text;
 
 use super::rig::Joint;
-use super::watch::{Span, Told, Watch};
+use super::watch::{JointSummary, Span, Watch};
+use crate::joint_table::joint_table;
 
 /// The most faults that are listed: the plots have all of them.
 const LISTED: usize = 200;
@@ -39,29 +40,20 @@ fn state(state: &Span) -> Markup {
 
 /// All joints.
 pub(super) fn joints(joints: &[Joint], watch: &Watch) -> Markup {
-    html! {
-        div class="scroll" tabindex="0" role="region" aria-labelledby="joints-title" {
-            table id="joints" {
-                thead {
-                    tr {
-                        th scope="col" { "Joint" }
-                        th scope="col" { "Error in the mean" }
-                        th scope="col" { "At most" }
-                        th scope="col" { "Torque, N\u{a0}m" }
-                        th scope="col" { "Current, A" }
-                        th scope="col" { "Warmest, °C" }
-                        th scope="col" { "Limited" }
-                    }
-                }
-                tbody {
-                    @for (joint, told) in joints.iter().zip(watch.told()) { (row(joint, told)) }
-                }
-            }
-        }
-    }
+    let head = [
+        "Joint",
+        "Error in the mean",
+        "At most",
+        "Torque, N\u{a0}m",
+        "Current, A",
+        "Warmest, °C",
+        "Limited",
+    ];
+    let joints = joints.iter().zip(watch.told());
+    joint_table(&head, &html! { @for (joint, told) in joints { (row(joint, told)) } })
 }
 
-fn row(joint: &Joint, told: &Told) -> Markup {
+fn row(joint: &Joint, told: &JointSummary) -> Markup {
     let unit = if joint.slides { " N" } else { "" };
     // What was never read is 0.
     let known = |number: f64, text: String| if number > 0.0 { text } else { "–".to_owned() };

@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 use sinew_performance::play::Part;
 
-use crate::course::{Channel, MOST, pack, spacing};
+use crate::traces::{Channel, MOST, pack, spacing};
 
 /// Numbers of a page for each joint and sample: its courses, and half a one for what limits it.
 const WIDTH: usize = 6;
@@ -51,12 +51,12 @@ struct Joint {
     current: Vec<f64>,
     /// By sample: what limits it, counted from 1.
     limiter: Vec<u8>,
-    told: Told,
+    told: JointSummary,
 }
 
 /// What is told of a joint while the show runs.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Told {
+pub(super) struct JointSummary {
     /// Ticks.
     pub(super) ticks: usize,
     /// Of the sizes of its errors, rad or m.
@@ -74,7 +74,7 @@ pub(super) struct Told {
     pub(super) limited: usize,
 }
 
-impl Told {
+impl JointSummary {
     pub(super) fn error_mean(&self) -> f64 {
         self.error_sum / self.ticks.max(1) as f64
     }
@@ -96,7 +96,7 @@ impl Watch {
             effort: vec![f64::NAN; count],
             current: vec![f64::NAN; count],
             limiter: vec![0; count],
-            told: Told::default(),
+            told: JointSummary::default(),
         };
         Self {
             joints: columns.iter().map(|_| joint()).collect(),
@@ -175,7 +175,7 @@ impl Watch {
     }
 
     /// What is told of the joints.
-    pub(super) fn told(&self) -> impl Iterator<Item = &Told> {
+    pub(super) fn told(&self) -> impl Iterator<Item = &JointSummary> {
         self.joints.iter().map(|joint| &joint.told)
     }
 
@@ -201,7 +201,7 @@ impl Watch {
         Show {
             count: self.count(),
             dt_s: self.dt_s(),
-            courses: Courses {
+            courses: Traces {
                 commanded: packed(|joint| &joint.commanded),
                 measured: packed(|joint| &joint.measured),
                 error: packed(|joint| &joint.error),
@@ -237,7 +237,7 @@ fn limited(joint: &Joint) -> String {
 pub(super) struct Show<'a> {
     count: usize,
     dt_s: f64,
-    courses: Courses,
+    courses: Traces,
     limiters: &'a [String],
     limited: Vec<String>,
     states: &'a [Span],
@@ -246,7 +246,7 @@ pub(super) struct Show<'a> {
 
 /// By joint. Of error, effort and current each sample has the one of its ticks that is farthest from zero.
 #[derive(Debug, Serialize)]
-struct Courses {
+struct Traces {
     commanded: Vec<Channel>,
     measured: Vec<Channel>,
     error: Vec<Channel>,

@@ -21,7 +21,7 @@ const CHECK_HZ: f64 = 200.0;
 
 /// A motion that can be played round after round.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Looped {
+pub struct LoopedMotion {
     /// The motion. Its last row is its first one.
     pub motion: RigMotion,
     /// How long before its end it leaves the given one, s.
@@ -113,7 +113,7 @@ pub fn looped(
     mechanism: &Mechanism,
     motion: &RigMotion,
     blend_s: f64,
-) -> Result<Looped, LoopError> {
+) -> Result<LoopedMotion, LoopError> {
     motion.check(mechanism)?;
     let dt_s = motion.dt_s;
     let (least_s, most_s) = (END_ROWS as f64 * dt_s, motion.duration_s());
@@ -191,10 +191,10 @@ pub fn looped(
     // It is that row already, but for its last bits and the sign of quaternions.
     let first = rows[0].clone();
     rows[last] = first;
-    Ok(Looped { motion: RigMotion { dt_s, rows }, blend_s: span as f64 * dt_s, most })
+    Ok(LoopedMotion { motion: RigMotion { dt_s, rows }, blend_s: span as f64 * dt_s, most })
 }
 
-impl Looped {
+impl LoopedMotion {
     /// Refuses a blend that exceeds a limit more than the given motion does anywhere. Heat is of the whole motion, and
     /// not looked at. O(rows · bodies).
     ///

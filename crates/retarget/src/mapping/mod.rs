@@ -133,7 +133,7 @@ pub enum MappingError {
     },
     /// The joints make no match.
     #[error(transparent)]
-    NoMatch(#[from] crate::rig::NoMatch),
+    RigMatchError(#[from] crate::rig::RigMatchError),
     /// All that is wrong.
     #[error("{} mistakes{}", .0.len(), lines(.0))]
     Several(Vec<Self>),

@@ -4,7 +4,7 @@ use glam::DVec3;
 use sinew_rig::Mechanism;
 
 use super::at_zero::{AtZero, meeting_point};
-use super::error::NoMatch;
+use super::error::RigMatchError;
 use super::groups::{axes, middle_m};
 use super::matched::{Group, Hinge, RigDirections, RigMatch, RigPoint};
 use super::{hinge, points, text};
@@ -24,7 +24,7 @@ pub(super) fn derive(
     mechanism: &Mechanism,
     groups: Vec<Group>,
     forward: Option<DVec3>,
-) -> Result<RigMatch, NoMatch> {
+) -> Result<RigMatch, RigMatchError> {
     check(mechanism, &groups)?;
     let rig = AtZero::of(mechanism);
     let mut places = Places {
@@ -70,14 +70,14 @@ pub(super) fn derive(
     })
 }
 
-fn check(mechanism: &Mechanism, groups: &[Group]) -> Result<(), NoMatch> {
+fn check(mechanism: &Mechanism, groups: &[Group]) -> Result<(), RigMatchError> {
     let bodies = mechanism.bodies.len();
     for group in groups {
         let landmark = group.landmark.name();
         let point = group.point.map(|point| point.body);
         for joint in group.joints.iter().copied().chain(point) {
             if joint >= bodies {
-                return Err(NoMatch::NoJoint { landmark, joint, bodies });
+                return Err(RigMatchError::NoJoint { landmark, joint, bodies });
             }
         }
         for joint in &group.joints {
@@ -89,7 +89,10 @@ fn check(mechanism: &Mechanism, groups: &[Group]) -> Result<(), NoMatch> {
                     | sinew_rig::mechanism::JointModel::Free
             );
             if !turns {
-                return Err(NoMatch::DoesNotTurn { landmark, joint: link.joint_name.clone() });
+                return Err(RigMatchError::DoesNotTurn {
+                    landmark,
+                    joint: link.joint_name.clone(),
+                });
             }
         }
     }

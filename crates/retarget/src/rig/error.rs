@@ -2,7 +2,7 @@
 
 /// Why a rig cannot be matched.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum NoMatch {
+pub enum RigMatchError {
     /// No words and no shape of a performer.
     #[error(
         "no arm, leg or head found among {joints} joints: expected names with a side and a limb (left_knee, l_arm_z), \

@@ -31,7 +31,7 @@ pub struct RigPoint {
 
 /// A joint without a counterpart.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct LeftOut {
+pub struct UnmatchedJoint {
     /// Body that the joint moves.
     pub joint: usize,
     /// Why.
@@ -78,7 +78,7 @@ pub struct RigMatch {
     /// The joints of each landmark that the rig has.
     pub groups: Vec<Group>,
     /// Joints without a counterpart.
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<UnmatchedJoint>,
     /// At zero.
     pub directions: RigDirections,
     /// The body that carries the hips.

@@ -49,7 +49,7 @@ pub fn mirror_faults(mechanism: &Mechanism, rig: &RigMatch) -> Vec<MirrorFault> 
 
 /// The rig with the axes turned round that the mirror check finds turned; ranges stay as they are.
 #[must_use]
-pub fn mended(mechanism: &Mechanism, faults: &[MirrorFault]) -> Mechanism {
+pub fn with_axes_turned(mechanism: &Mechanism, faults: &[MirrorFault]) -> Mechanism {
     let mut mechanism = mechanism.clone();
     for fault in faults.iter().filter(|fault| fault.is_axis_turned) {
         if let JointModel::Revolute(axis) = &mut mechanism.bodies[fault.joint].joint {

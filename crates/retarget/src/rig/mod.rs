@@ -20,19 +20,21 @@ use sinew_rig::mechanism::Pose;
 
 use crate::Landmark;
 
-pub use error::NoMatch;
-pub use matched::{Group, Hinge, LeftOut, RigDirections, RigMatch, RigPoint};
-pub use mirror::{MirrorFault, mended, mirror_faults};
+pub use error::RigMatchError;
+pub use matched::{Group, Hinge, RigDirections, RigMatch, RigPoint, UnmatchedJoint};
+pub use mirror::{MirrorFault, mirror_faults, with_axes_turned};
 
 impl RigMatch {
     /// Matches a rig by words and geometry. O(n²).
     ///
     /// # Errors
-    /// [`NoMatch`] if it has no limb and no head that a performer has.
-    pub fn of(mechanism: &Mechanism) -> Result<Self, NoMatch> {
+    /// [`RigMatchError`] if it has no limb and no head that a performer has.
+    pub fn of(mechanism: &Mechanism) -> Result<Self, RigMatchError> {
         let (groups, left_out) = propose::propose(mechanism);
         if groups.is_empty() {
-            return Err(NoMatch::Nothing { joints: mechanism.bodies.len().saturating_sub(1) });
+            return Err(RigMatchError::Nothing {
+                joints: mechanism.bodies.len().saturating_sub(1),
+            });
         }
         Ok(Self { left_out, ..Self::of_groups(mechanism, groups, None)? })
     }
@@ -40,12 +42,12 @@ impl RigMatch {
     /// What follows from groups that are known. `forward`: of the rig in the world at zero, if it is known.
     ///
     /// # Errors
-    /// [`NoMatch`] if a group's joint is none of the rig's, or slides.
+    /// [`RigMatchError`] if a group's joint is none of the rig's, or slides.
     pub fn of_groups(
         mechanism: &Mechanism,
         groups: Vec<Group>,
         forward: Option<DVec3>,
-    ) -> Result<Self, NoMatch> {
+    ) -> Result<Self, RigMatchError> {
         derive::derive(mechanism, groups, forward)
     }
 

@@ -5,14 +5,14 @@ use sinew_rig::Mechanism;
 use super::at_zero::AtZero;
 use super::chains::{Chain, chains, words_of};
 use super::groups;
-use super::matched::{Group, LeftOut};
+use super::matched::{Group, UnmatchedJoint};
 use super::text::{self, Part};
 use crate::{Landmark, Side};
 
 /// Each thing that speaks against a match takes this part of the confidence in it.
 const DOUBT: f64 = 0.25;
 
-pub(super) fn propose(mechanism: &Mechanism) -> (Vec<Group>, Vec<LeftOut>) {
+pub(super) fn propose(mechanism: &Mechanism) -> (Vec<Group>, Vec<UnmatchedJoint>) {
     let rig = AtZero::of(mechanism);
     let chains = chains(mechanism);
     let mut all: Vec<Group> = chains.iter().flat_map(|chain| of_chain(&rig, chain)).collect();
@@ -141,7 +141,7 @@ fn waist(rig: &AtZero<'_>, groups: &[Group]) -> Option<Group> {
     })
 }
 
-fn left_out(mechanism: &Mechanism, groups: &[Group]) -> Vec<LeftOut> {
+fn left_out(mechanism: &Mechanism, groups: &[Group]) -> Vec<UnmatchedJoint> {
     let words = words_of(mechanism);
     let is_matched = |joint| groups.iter().any(|group| group.joints.contains(&joint));
     (1..mechanism.bodies.len())
@@ -152,7 +152,7 @@ fn left_out(mechanism: &Mechanism, groups: &[Group]) -> Vec<LeftOut> {
                 Some(_) => "beside the chain of its limb: it stays at home",
                 None => "its name tells no part of a body: it stays at home",
             };
-            LeftOut { joint, reason: reason.to_owned() }
+            UnmatchedJoint { joint, reason: reason.to_owned() }
         })
         .collect()
 }

@@ -29,7 +29,7 @@ use pair::{Pair, agree_on_sides, legs_and_arms};
 use trunk::Trunk;
 
 pub use directions::{Directions, UpAxis};
-pub use figure::{FigureMapping, MapHead, NoMapping, Note, figure_mapping, head_end};
+pub use figure::{FigureMapping, FigureMappingError, MapHead, Note, figure_mapping, head_end};
 pub use found::Found;
 pub use unit::{BODY_HEIGHT_M, Unit};
 

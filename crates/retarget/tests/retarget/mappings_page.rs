@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use sinew_mocap::skeleton_map::{End, Part};
+use sinew_mocap::skeleton_map::{BodyJoints, End};
 use sinew_mocap::{Recording, SkeletonMap, format};
 use sinew_retarget::skeleton::{FigureMapping, MapHead, SkeletonMatch, figure_mapping};
 
@@ -125,7 +125,7 @@ fn proposal(recording: &Recording) -> Proposal {
 }
 
 /// A part in few words, without what stands before all names.
-fn words(part: &Part, prefix: &str) -> String {
+fn words(part: &BodyJoints, prefix: &str) -> String {
     let bare = |name: &str| name.strip_prefix(prefix).unwrap_or(name).to_owned();
     let (origin, rotation) = (bare(&part.origin), bare(&part.rotation));
     let turned = if origin == rotation { String::new() } else { format!(" turned by {rotation}") };
@@ -137,13 +137,13 @@ fn words(part: &Part, prefix: &str) -> String {
     format!("{origin}{turned} to {end}")
 }
 
-fn has_joints(ours: &Part, right: &Part, prefix: &str) -> bool {
+fn has_joints(ours: &BodyJoints, right: &BodyJoints, prefix: &str) -> bool {
     let same = |a: &str, b: &str| a == format!("{prefix}{b}");
     same(&ours.origin, &right.origin) && same(&ours.rotation, &right.rotation)
 }
 
 /// An end that the file does not tell is someone's estimate: any is as good.
-fn is_same(ours: &Part, right: &Part, prefix: &str) -> bool {
+fn is_same(ours: &BodyJoints, right: &BodyJoints, prefix: &str) -> bool {
     let same = |a: &str, b: &str| a == format!("{prefix}{b}");
     let ends = match (&ours.end, &right.end) {
         (End::Joint(a), End::Joint(b)) | (End::Site { site: a }, End::Site { site: b }) => {

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use proptest::prelude::*;
 use sinew_mocap::{Skeleton, SkeletonJoint};
-use sinew_retarget::skeleton::{MapHead, NoMapping, SkeletonMatch, figure_mapping};
+use sinew_retarget::skeleton::{FigureMappingError, MapHead, SkeletonMatch, figure_mapping};
 use sinew_retarget::{Landmark, Side};
 
 /// A joint, its parent, where it is.
@@ -182,7 +182,8 @@ fn a_part_of_a_body_is_matched_as_far_as_it_goes() {
     assert_eq!(name(Landmark::Chest), Some("Chest"));
     assert_eq!(name(Landmark::Head), Some("Head"));
     let head = MapHead { name: "upper", metres_per_unit: 1.0, rate_hz: None };
-    let NoMapping::Missing(missing) = figure_mapping(&upper, &matched, head).unwrap_err() else {
+    let FigureMappingError::Missing(missing) = figure_mapping(&upper, &matched, head).unwrap_err()
+    else {
         panic!()
     };
     assert_eq!(missing.len(), 7, "pelvis, hips, knees, ankles: {missing:?}");

@@ -59,42 +59,42 @@ pub struct ServoModel {
     /// What its maker calls it.
     pub name: String,
     /// Voltage that the values are for, V.
-    pub voltage_v: Sourced,
+    pub voltage_v: SourcedValue,
     /// Torque per current, N m/A.
-    pub torque_constant_nm_a: Sourced,
+    pub torque_constant_nm_a: SourcedValue,
     /// Torque at standstill and full voltage, N m.
-    pub stall_torque_nm: Sourced,
+    pub stall_torque_nm: SourcedValue,
     /// Current at standstill, A.
-    pub stall_current_a: Sourced,
+    pub stall_current_a: SourcedValue,
     /// Torque that it holds for long without overheating, N m.
-    pub continuous_torque_nm: Sourced,
+    pub continuous_torque_nm: SourcedValue,
     /// Speed without load, rad/s.
-    pub no_load_speed_rad_s: Sourced,
+    pub no_load_speed_rad_s: SourcedValue,
     /// Torque per position error of its own controller, N m/rad; zero if it has none.
-    pub position_gain_nm_rad: Sourced,
+    pub position_gain_nm_rad: SourcedValue,
     /// Inertia of the rotor as the gear shows it, kg m².
-    pub rotor_inertia_kg_m2: Sourced,
+    pub rotor_inertia_kg_m2: SourcedValue,
     /// Coulomb friction, N m.
-    pub friction_nm: Sourced,
+    pub friction_nm: SourcedValue,
     /// Viscous friction, N m s.
-    pub damping_nm_s: Sourced,
+    pub damping_nm_s: SourcedValue,
     /// Least step of its position, rad.
-    pub resolution_rad: Sourced,
+    pub resolution_rad: SourcedValue,
     /// Play of the gear, from end to end, rad.
-    pub backlash_rad: Sourced,
+    pub backlash_rad: SourcedValue,
     /// How far it turns, from end to end, rad.
-    pub range_rad: Sourced,
+    pub range_rad: SourcedValue,
     /// Warming of the motor per power lost in it, K/W.
-    pub thermal_resistance_k_w: Sourced,
+    pub thermal_resistance_k_w: SourcedValue,
     /// Time constant of that, s.
-    pub thermal_time_s: Sourced,
+    pub thermal_time_s: SourcedValue,
     /// Temperature at which it shuts down, °C.
-    pub shutdown_c: Sourced,
+    pub shutdown_c: SourcedValue,
 }
 
 impl ServoModel {
     /// All values, each with its key.
-    pub(crate) fn values_mut(&mut self) -> [(&'static str, &mut Sourced); 16] {
+    pub(crate) fn values_mut(&mut self) -> [(&'static str, &mut SourcedValue); 16] {
         [
             ("voltage_v", &mut self.voltage_v),
             ("torque_constant_nm_a", &mut self.torque_constant_nm_a),
@@ -119,14 +119,14 @@ impl ServoModel {
 /// A value, and where it is from.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Sourced {
+pub struct SourcedValue {
     /// In the unit of the field's name.
     pub value: f64,
     /// Who measured or states it; "guess: ..." if nobody does.
     pub source: String,
 }
 
-impl Sourced {
+impl SourcedValue {
     /// Whether nobody has measured or stated it.
     pub fn is_guess(&self) -> bool {
         self.source.starts_with("guess")

@@ -15,7 +15,7 @@ mod urdf;
 mod world;
 mod xml;
 
-pub use error::{ImportError, Place};
+pub use error::{ImportError, SourcePosition};
 pub use imported::Imported;
 pub use note::{Note, NoteKind};
 pub use options::Options;

@@ -3,7 +3,7 @@
 use glam::DQuat;
 use roxmltree::{Document, Node};
 
-use super::error::{ImportError, Place};
+use super::error::{ImportError, SourcePosition};
 
 /// Larger numbers are damage: their squares and products must stay finite, in f32 too.
 const NUMBER_MAX: f64 = 1e6;
@@ -56,7 +56,7 @@ fn refuse_slow(text: &str) -> Result<(), ImportError> {
         let column = before.chars().rev().take_while(|letter| *letter != '\n').count() + 1;
         let at = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
         return Err(ImportError {
-            place: Place { line: at(line), column: at(column) },
+            place: SourcePosition { line: at(line), column: at(column) },
             item: "the file".to_owned(),
             expected: format!("at most {NAMES_MAX} {expected}"),
             found: found.to_string(),
@@ -107,7 +107,7 @@ fn refuse_at(
     expected: impl Into<String>,
     found: impl Into<String>,
 ) -> ImportError {
-    let place = Place::from(node.document().text_pos_at(byte));
+    let place = SourcePosition::from(node.document().text_pos_at(byte));
     ImportError { place, item, expected: expected.into(), found: found.into() }
 }
 

@@ -21,13 +21,13 @@ pub struct ReadError {
 
 /// The same before it is known on which line it stands.
 #[derive(Debug, PartialEq)]
-pub(super) struct Wrong {
+pub(super) struct UnlocatedError {
     /// Byte in the text.
     pub(super) at: usize,
     pub(super) message: String,
 }
 
-impl Wrong {
+impl UnlocatedError {
     pub(super) fn new(span: &Range<usize>, path: &str, expected: &str, found: &str) -> Self {
         Self { at: span.start, message: format!("{path}: expected {expected}, found {found}") }
     }
@@ -45,7 +45,8 @@ impl ReadError {
     /// The text is no TOML.
     pub(super) fn syntax(text: &str, error: &toml::de::Error) -> Self {
         let at = error.span().map_or(0, |span| span.start);
-        Wrong { at, message: format!("this is not TOML: {}", error.message()) }.in_text(text)
+        UnlocatedError { at, message: format!("this is not TOML: {}", error.message()) }
+            .in_text(text)
     }
 
     /// The text is TOML, and no rig.
@@ -54,7 +55,8 @@ impl ReadError {
         table: &Spanned<DeTable<'_>>,
         error: &DescriptionError,
     ) -> Self {
-        Wrong { at: position(table, &error.path.0), message: error.to_string() }.in_text(text)
+        UnlocatedError { at: position(table, &error.path.0), message: error.to_string() }
+            .in_text(text)
     }
 }
 

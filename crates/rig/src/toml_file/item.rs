@@ -5,7 +5,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::DeValue;
 
-use super::error::Wrong;
+use super::error::UnlocatedError;
 use crate::number;
 
 /// A value, its path, and whether its numbers are degrees.
@@ -33,7 +33,7 @@ impl<'t> Item<'t> {
     }
 
     /// Refuses the value.
-    pub(super) fn wrong(&self, expected: &str) -> Wrong {
+    pub(super) fn wrong(&self, expected: &str) -> UnlocatedError {
         let found = match self.value() {
             DeValue::String(text) => format!("the text {text:?}"),
             DeValue::Integer(integer) => format!("the number {integer}"),
@@ -43,11 +43,11 @@ impl<'t> Item<'t> {
             DeValue::Array(array) => format!("a list of {}", array.len()),
             DeValue::Table(_) => "a table".to_owned(),
         };
-        Wrong::new(&self.span(), &self.path, expected, &found)
+        UnlocatedError::new(&self.span(), &self.path, expected, &found)
     }
 
     /// The elements of a list.
-    pub(super) fn elements(&self, expected: &str) -> Result<Vec<Self>, Wrong> {
+    pub(super) fn elements(&self, expected: &str) -> Result<Vec<Self>, UnlocatedError> {
         let array = self.value().as_array().ok_or_else(|| self.wrong(expected))?;
         let of_element = |(index, value): (usize, &'t Spanned<DeValue<'t>>)| {
             Self::new(value, format!("{}[{index}]", self.path), self.is_angle)
@@ -56,7 +56,7 @@ impl<'t> Item<'t> {
     }
 
     /// A number; degrees become radians.
-    pub(super) fn number(&self) -> Result<f64, Wrong> {
+    pub(super) fn number(&self) -> Result<f64, UnlocatedError> {
         let number: Option<f64> = match self.value() {
             DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
                 .ok()
@@ -69,7 +69,7 @@ impl<'t> Item<'t> {
     }
 
     /// A whole number within limits.
-    pub(super) fn integer(&self, expected: &str) -> Result<i64, Wrong> {
+    pub(super) fn integer(&self, expected: &str) -> Result<i64, UnlocatedError> {
         self.value()
             .as_integer()
             .and_then(|integer| i64::from_str_radix(integer.as_str(), integer.radix()).ok())

@@ -5,7 +5,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::error::Wrong;
+use super::error::UnlocatedError;
 use super::item::Item;
 use super::value::Value;
 use super::visitor::Visitor;
@@ -20,14 +20,14 @@ pub(super) struct Reader<'t> {
     /// Every key that the schema has asked for.
     known: Vec<&'static str>,
     /// The first key that must be there and is not. Told only if every key is known: else one of those was meant.
-    missing: Option<Wrong>,
+    missing: Option<UnlocatedError>,
 }
 
 /// Reads a whole text by a schema.
 pub(super) fn read<'t>(
     table: &'t Spanned<DeTable<'t>>,
-    keys: impl FnOnce(&mut Reader<'t>) -> Result<(), Wrong>,
-) -> Result<(), Wrong> {
+    keys: impl FnOnce(&mut Reader<'t>) -> Result<(), UnlocatedError>,
+) -> Result<(), UnlocatedError> {
     Reader::read(table.get_ref(), table.span(), String::new(), keys)
 }
 
@@ -36,8 +36,8 @@ impl<'t> Reader<'t> {
         table: &'t DeTable<'t>,
         span: Range<usize>,
         path: String,
-        keys: impl FnOnce(&mut Self) -> Result<(), Wrong>,
-    ) -> Result<(), Wrong> {
+        keys: impl FnOnce(&mut Self) -> Result<(), UnlocatedError>,
+    ) -> Result<(), UnlocatedError> {
         let mut reader = Self { table, span, path, known: Vec::new(), missing: None };
         keys(&mut reader)?;
         reader.refuse_unknown()?;
@@ -55,11 +55,11 @@ impl<'t> Reader<'t> {
     }
 
     fn is_missing(&mut self, key: &'static str, expected: &str) {
-        let wrong = Wrong::new(&self.span, &self.path_of(key), expected, "nothing");
+        let wrong = UnlocatedError::new(&self.span, &self.path_of(key), expected, "nothing");
         self.missing.get_or_insert(wrong);
     }
 
-    fn refuse_unknown(&self) -> Result<(), Wrong> {
+    fn refuse_unknown(&self) -> Result<(), UnlocatedError> {
         let is_unknown =
             |key: &&Spanned<_>| !self.known.contains(&AsRef::<str>::as_ref(key.get_ref()));
         let Some(key) = self.table.keys().filter(is_unknown).min_by_key(|key| key.span().start)
@@ -71,15 +71,15 @@ impl<'t> Reader<'t> {
             Some(near) => format!("the key {near}"),
             None => format!("one of the keys {}", self.known.join(", ")),
         };
-        Err(Wrong::new(&key.span(), &self.path_of(name), &expected, "an unknown one"))
+        Err(UnlocatedError::new(&key.span(), &self.path_of(name), &expected, "an unknown one"))
     }
 
     /// Reads a table below this one.
     fn descend<T>(
         item: &Item<'t>,
         field: &mut T,
-        keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Wrong>,
-    ) -> Result<(), Wrong> {
+        keys: impl FnOnce(&mut T, &mut Self) -> Result<(), UnlocatedError>,
+    ) -> Result<(), UnlocatedError> {
         let DeValue::Table(table) = item.value() else {
             return Err(item.wrong("a table of keys"));
         };
@@ -88,9 +88,13 @@ impl<'t> Reader<'t> {
 }
 
 impl Visitor for Reader<'_> {
-    type Error = Wrong;
+    type Error = UnlocatedError;
 
-    fn required<T: Value>(&mut self, key: &'static str, field: &mut T) -> Result<(), Wrong> {
+    fn required<T: Value>(
+        &mut self,
+        key: &'static str,
+        field: &mut T,
+    ) -> Result<(), UnlocatedError> {
         match self.find(key) {
             Some(item) => *field = T::read(&item)?,
             None => self.is_missing(key, T::EXPECTED),
@@ -103,7 +107,7 @@ impl Visitor for Reader<'_> {
         key: &'static str,
         field: &mut T,
         default: T,
-    ) -> Result<(), Wrong> {
+    ) -> Result<(), UnlocatedError> {
         *field = match self.find(key) {
             Some(item) => T::read(&item)?,
             None => default,
@@ -115,8 +119,8 @@ impl Visitor for Reader<'_> {
         &mut self,
         key: &'static str,
         field: &mut T,
-        keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Wrong>,
-    ) -> Result<(), Wrong> {
+        keys: impl FnOnce(&mut T, &mut Self) -> Result<(), UnlocatedError>,
+    ) -> Result<(), UnlocatedError> {
         match self.find(key) {
             Some(item) => Self::descend(&item, field, keys)?,
             None => self.is_missing(key, "a table of keys"),
@@ -128,8 +132,8 @@ impl Visitor for Reader<'_> {
         &mut self,
         key: &'static str,
         field: &mut Option<T>,
-        keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Wrong>,
-    ) -> Result<(), Wrong> {
+        keys: impl FnOnce(&mut T, &mut Self) -> Result<(), UnlocatedError>,
+    ) -> Result<(), UnlocatedError> {
         *field = match self.find(key) {
             Some(item) => {
                 let mut value = T::default();
@@ -145,8 +149,8 @@ impl Visitor for Reader<'_> {
         &mut self,
         key: &'static str,
         field: &mut Option<T>,
-        keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Wrong>,
-    ) -> Result<(), Wrong> {
+        keys: impl FnOnce(&mut T, &mut Self) -> Result<(), UnlocatedError>,
+    ) -> Result<(), UnlocatedError> {
         self.optional_inline(key, field, keys)
     }
 
@@ -154,8 +158,8 @@ impl Visitor for Reader<'_> {
         &mut self,
         key: &'static str,
         fields: &mut Vec<T>,
-        mut keys: impl FnMut(&mut T, &mut Self) -> Result<(), Wrong>,
-    ) -> Result<(), Wrong> {
+        mut keys: impl FnMut(&mut T, &mut Self) -> Result<(), UnlocatedError>,
+    ) -> Result<(), UnlocatedError> {
         fields.clear();
         let Some(item) = self.find(key) else { return Ok(()) };
         for element in item.elements(&format!("tables that begin with [[{key}]]"))? {
@@ -170,7 +174,7 @@ impl Visitor for Reader<'_> {
         &mut self,
         keys: &[&'static str],
         _: Option<&'static str>,
-    ) -> Result<Option<&'static str>, Wrong> {
+    ) -> Result<Option<&'static str>, UnlocatedError> {
         self.known.extend(keys);
         let mut there = keys.iter().filter(|key| self.table.contains_key(**key));
         let first = there.next().copied();
@@ -178,7 +182,7 @@ impl Visitor for Reader<'_> {
             let expected = format!("one of the keys {}", keys.join(", "));
             let found = format!("{first} as well");
             let span = self.table.get(*second).map_or(self.span.clone(), Spanned::span);
-            return Err(Wrong::new(&span, &self.path_of(second), &expected, &found));
+            return Err(UnlocatedError::new(&span, &self.path_of(second), &expected, &found));
         }
         Ok(first)
     }

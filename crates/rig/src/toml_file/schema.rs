@@ -4,7 +4,7 @@ use super::value::Ranges;
 use super::visitor::Visitor;
 use crate::description::{
     Address, Body, Description, Drive, DriveKind, InertiaMatrix, Joint, LinkedLimit, Mount, Servo,
-    ServoModel, Sourced, Supply, UnitKeys, is_angle,
+    ServoModel, SourcedValue, Supply, UnitKeys, is_angle,
 };
 
 pub(super) fn description<V: Visitor>(rig: &mut Description, v: &mut V) -> Result<(), V::Error> {
@@ -221,7 +221,7 @@ fn servo_model<V: Visitor>(model: &mut ServoModel, v: &mut V) -> Result<(), V::E
     Ok(())
 }
 
-fn sourced<V: Visitor>(sourced: &mut Sourced, v: &mut V) -> Result<(), V::Error> {
+fn sourced<V: Visitor>(sourced: &mut SourcedValue, v: &mut V) -> Result<(), V::Error> {
     v.required("value", &mut sourced.value)?;
     v.required("source", &mut sourced.source)
 }

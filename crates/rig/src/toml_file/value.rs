@@ -2,7 +2,7 @@
 
 use toml::Value as TomlValue;
 
-use super::error::Wrong;
+use super::error::UnlocatedError;
 use super::item::{Item, in_file};
 use crate::description::{Base, JointType, SignalLoss};
 use crate::number;
@@ -12,7 +12,7 @@ pub(super) trait Value: PartialEq + Sized {
     /// What a file must have.
     const EXPECTED: &'static str;
 
-    fn read(item: &Item<'_>) -> Result<Self, Wrong>;
+    fn read(item: &Item<'_>) -> Result<Self, UnlocatedError>;
 
     /// The text of the value; `is_angle`: in degrees.
     fn text(&self, is_angle: bool) -> String;
@@ -21,7 +21,7 @@ pub(super) trait Value: PartialEq + Sized {
 impl Value for String {
     const EXPECTED: &'static str = "a text in quotes";
 
-    fn read(item: &Item<'_>) -> Result<Self, Wrong> {
+    fn read(item: &Item<'_>) -> Result<Self, UnlocatedError> {
         item.value().as_str().map(str::to_owned).ok_or_else(|| item.wrong(Self::EXPECTED))
     }
 
@@ -33,7 +33,7 @@ impl Value for String {
 impl Value for f64 {
     const EXPECTED: &'static str = "a number";
 
-    fn read(item: &Item<'_>) -> Result<Self, Wrong> {
+    fn read(item: &Item<'_>) -> Result<Self, UnlocatedError> {
         item.number()
     }
 
@@ -45,7 +45,7 @@ impl Value for f64 {
 impl Value for bool {
     const EXPECTED: &'static str = "true or false";
 
-    fn read(item: &Item<'_>) -> Result<Self, Wrong> {
+    fn read(item: &Item<'_>) -> Result<Self, UnlocatedError> {
         item.value().as_bool().ok_or_else(|| item.wrong(Self::EXPECTED))
     }
 
@@ -57,7 +57,7 @@ impl Value for bool {
 impl Value for u8 {
     const EXPECTED: &'static str = "a whole number from 0 to 255";
 
-    fn read(item: &Item<'_>) -> Result<Self, Wrong> {
+    fn read(item: &Item<'_>) -> Result<Self, UnlocatedError> {
         Self::try_from(item.integer(Self::EXPECTED)?).map_err(|_| item.wrong(Self::EXPECTED))
     }
 
@@ -69,7 +69,7 @@ impl Value for u8 {
 impl Value for i8 {
     const EXPECTED: &'static str = "1 or -1";
 
-    fn read(item: &Item<'_>) -> Result<Self, Wrong> {
+    fn read(item: &Item<'_>) -> Result<Self, UnlocatedError> {
         Self::try_from(item.integer(Self::EXPECTED)?).map_err(|_| item.wrong(Self::EXPECTED))
     }
 
@@ -82,7 +82,7 @@ impl Value for i8 {
 impl<T: Value> Value for Option<T> {
     const EXPECTED: &'static str = T::EXPECTED;
 
-    fn read(item: &Item<'_>) -> Result<Self, Wrong> {
+    fn read(item: &Item<'_>) -> Result<Self, UnlocatedError> {
         T::read(item).map(Some)
     }
 
@@ -98,7 +98,7 @@ impl<const N: usize> Value for [f64; N] {
         _ => "a list of 4 numbers",
     };
 
-    fn read(item: &Item<'_>) -> Result<Self, Wrong> {
+    fn read(item: &Item<'_>) -> Result<Self, UnlocatedError> {
         let elements = item.elements(Self::EXPECTED)?;
         let numbers: Vec<f64> = elements.iter().map(f64::read).collect::<Result<_, _>>()?;
         Self::try_from(numbers).map_err(|_| item.wrong(Self::EXPECTED))
@@ -112,7 +112,7 @@ impl<const N: usize> Value for [f64; N] {
 impl<T: Value> Value for Vec<T> {
     const EXPECTED: &'static str = "a list in square brackets";
 
-    fn read(item: &Item<'_>) -> Result<Self, Wrong> {
+    fn read(item: &Item<'_>) -> Result<Self, UnlocatedError> {
         item.elements(Self::EXPECTED)?.iter().map(T::read).collect()
     }
 
@@ -129,7 +129,7 @@ pub(super) struct Ranges(pub(super) Vec<[f64; 2]>);
 impl Value for Ranges {
     const EXPECTED: &'static str = "[least, most]";
 
-    fn read(item: &Item<'_>) -> Result<Self, Wrong> {
+    fn read(item: &Item<'_>) -> Result<Self, UnlocatedError> {
         let elements = item.elements(Self::EXPECTED)?;
         if elements.iter().any(|element| element.value().is_array()) {
             elements.iter().map(<[f64; 2]>::read).collect::<Result<_, _>>().map(Self)
@@ -180,7 +180,7 @@ impl Choice for SignalLoss {
 impl<T: Choice> Value for T {
     const EXPECTED: &'static str = <T as Choice>::EXPECTED;
 
-    fn read(item: &Item<'_>) -> Result<Self, Wrong> {
+    fn read(item: &Item<'_>) -> Result<Self, UnlocatedError> {
         let word = item.value().as_str();
         let choice = T::WORDS.iter().find(|(name, _)| Some(*name) == word);
         choice.map(|(_, choice)| *choice).ok_or_else(|| item.wrong(<T as Choice>::EXPECTED))

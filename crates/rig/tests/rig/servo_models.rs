@@ -3,9 +3,9 @@
 
 use std::fmt::Write as _;
 
-use sinew_rig::description::{ServoModel, Sourced};
+use sinew_rig::description::{ServoModel, SourcedValue};
 
-type Value = fn(&ServoModel) -> &Sourced;
+type Value = fn(&ServoModel) -> &SourcedValue;
 
 /// Each value: what it is, its unit, and how.
 const VALUES: [(&str, &str, Value); 16] = [
@@ -42,7 +42,7 @@ fn every_value_is_plausible_and_says_where_it_is_from() {
     for model in models() {
         let name = &model.name;
         for (what, _, of) in VALUES {
-            let Sourced { value, source } = of(&model);
+            let SourcedValue { value, source } = of(&model);
             assert!(value.is_finite() && *value > 0.0, "{name}: {what} is {value}");
             assert!(source.trim().len() > 5, "{name}: {what} has no source");
         }

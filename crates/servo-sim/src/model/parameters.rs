@@ -1,7 +1,7 @@
 //! Numbers of a kind of servo: what `sinew-rig` knows of it, what `models/` adds, and what follows from both.
 
 use serde::Deserialize;
-use sinew_rig::description::{ServoModel, Sourced};
+use sinew_rig::description::{ServoModel, SourcedValue};
 use thiserror::Error;
 
 const COMMON: &str = include_str!("../../models/common.toml");
@@ -48,18 +48,18 @@ fn known() -> String {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Extra {
-    stribeck_nm: Sourced,
-    stribeck_rad_s: Sourced,
-    gear_windup_rad: Sourced,
-    loop_hz: Sourced,
-    winding_share: Sourced,
-    winding_time_s: Sourced,
-    standby_a: Sourced,
-    brown_out_v: Sourced,
-    boot_s: Sourced,
-    position_p_divisor: Option<Sourced>,
-    load_friction: Option<Sourced>,
-    speed_cap_rad_s: Option<Sourced>,
+    stribeck_nm: SourcedValue,
+    stribeck_rad_s: SourcedValue,
+    gear_windup_rad: SourcedValue,
+    loop_hz: SourcedValue,
+    winding_share: SourcedValue,
+    winding_time_s: SourcedValue,
+    standby_a: SourcedValue,
+    brown_out_v: SourcedValue,
+    boot_s: SourcedValue,
+    position_p_divisor: Option<SourcedValue>,
+    load_friction: Option<SourcedValue>,
+    speed_cap_rad_s: Option<SourcedValue>,
 }
 
 /// All that a simulated servo is made of, at its output shaft.

@@ -7,10 +7,9 @@ use sinew_image::{BOARDS, Board, EMULATED};
 use sinew_steps::image::{Image, built_in};
 
 use super::figures::{FigureKey, Figures};
-use super::images;
 use super::printed::{field, number};
-use super::tables;
 use super::trace::qemu;
+use super::{images, tables};
 
 /// Instructions of ticks over the whole show of the image for QEMU.
 const SECTION: &str = "show_instructions";

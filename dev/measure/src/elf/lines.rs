@@ -39,7 +39,7 @@ impl Lines {
             let (file, line) =
                 frame.location.map_or((None, None), |location| (location.file, location.line));
             places.push(SourceLine {
-                function: name.map_or_else(String::new, |name| super::demangled(&name)),
+                function: name.map_or_else(String::new, |name| super::name::demangled(&name)),
                 file: file.unwrap_or_default().to_owned(),
                 line: line.unwrap_or_default(),
             });

@@ -1,8 +1,11 @@
 //! What an image for Arm holds: its functions, their Thumb-2 instructions, and who calls whom.
 
+mod call;
 mod calls;
 mod disassembly;
+mod function;
 mod lines;
+mod name;
 mod symbols;
 mod text;
 
@@ -13,9 +16,11 @@ use std::path::Path;
 use anyhow::{Context, Result, ensure};
 use object::{Architecture, Object};
 
-pub(crate) use calls::{Call, Target};
+pub(crate) use call::{Call, Target};
 pub(crate) use disassembly::Instruction;
+pub(crate) use function::Function;
 pub(crate) use lines::{Lines, SourceLine};
+pub(crate) use name::last_part;
 
 use disassembly::Disassembler;
 use text::Words;
@@ -26,32 +31,6 @@ pub(crate) struct Elf {
     functions: Vec<Function>,
     named_by_data: Vec<usize>,
     handlers: Vec<usize>,
-}
-
-/// A function as it lies in flash.
-#[derive(Debug, Clone)]
-pub(crate) struct Function {
-    /// Demangled, without the compiler's hash.
-    pub(crate) name: String,
-    /// Further names of the same code: the linker folds functions that are equal, and libraries give aliases.
-    pub(crate) aliases: Vec<String>,
-    /// The symbol as the linker knows it.
-    pub(crate) symbol: String,
-    /// Of the first instruction, without the Thumb bit.
-    pub(crate) address: u64,
-    /// Bytes, literal pools among them.
-    pub(crate) size: u64,
-    /// In rising order, without the data between them.
-    pub(crate) instructions: Vec<Instruction>,
-    /// In the order of their addresses.
-    pub(crate) calls: Vec<Call>,
-}
-
-impl Function {
-    /// Its name and aliases.
-    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
-        std::iter::once(&self.name).chain(&self.aliases).map(String::as_str)
-    }
 }
 
 impl Elf {
@@ -193,37 +172,6 @@ impl Elf {
             .min_by_key(Vec::len)
             .map(|path| std::iter::once(function).chain(path).collect())
     }
-}
-
-/// A symbol as its programmer wrote it, without the compiler's hash.
-fn demangled(symbol: &str) -> String {
-    format!("{:#}", rustc_demangle::demangle(symbol))
-}
-
-/// The last part of a function's name, without what a generic one is an instance of.
-///
-/// From Rust 1.96 on symbols have that (the mangling v0): `run::perform::<18, tick::parity::{closure#0}>`.
-pub(crate) fn last_part(name: &str) -> &str {
-    let generic = without_instance(name);
-    generic.rsplit("::").next().unwrap_or(generic)
-}
-
-/// The name without arguments such as `::<18>` at its end.
-fn without_instance(name: &str) -> &str {
-    let mut depth = 0;
-    for (at, letter) in name.char_indices().rev() {
-        match letter {
-            // `->` of a function's type closes nothing.
-            '>' if !name[..at].ends_with('-') => depth += 1,
-            '<' => depth -= 1,
-            _ => {}
-        }
-        if depth == 0 {
-            let arguments = letter == '<';
-            return name[..at].strip_suffix("::").filter(|_| arguments).unwrap_or(name);
-        }
-    }
-    name
 }
 
 #[cfg(test)]

@@ -44,7 +44,7 @@ pub(super) fn functions(file: &File<'_>) -> Result<Vec<Found>> {
             }
             let mut names: Vec<String> = Vec::new();
             for symbol in &symbols {
-                let name = super::demangled(symbol);
+                let name = super::name::demangled(symbol);
                 if !names.contains(&name) {
                     names.push(name);
                 }

@@ -8,7 +8,7 @@ use std::time::Instant;
 use anyhow::{Context as _, ensure};
 use sinew_host_util::command::{ThreadArgs, note, print, with_progress};
 use sinew_host_util::output::{self, Folder};
-use sinew_pose_metrics::spatial::{MeasureArgs, MeasuredPose, Measuring, SpatialRig};
+use sinew_pose_metrics::spatial::{MeasureArgs, MeasuredPose, RigMeasure, SpatialRig};
 use sinew_studies::recordings::{RATE_HZ, Recordings};
 use sinew_studies::spatial::write_distances;
 
@@ -58,7 +58,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     // Before the work. Both files are of one run; whoever reads them has all of them or none.
     let results = Folder::open(folder, &format!("distances {}", name.display()), &inputs)?;
     let stage = results.stage();
-    let measuring = Measuring::new(&rig, measure);
+    let measuring = RigMeasure::new(&rig, measure);
     let mut poses: Vec<MeasuredPose> = Vec::new();
     for sequence in &recordings.sequences {
         for (frame, pose) in sequence.frames.iter().enumerate() {

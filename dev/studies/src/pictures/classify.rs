@@ -10,7 +10,7 @@ use sinew_report::chart::{self, Interval, Row};
 use sinew_report::file::write_all;
 
 use crate::spatial::Summary;
-use crate::spatial::classify::{self, Leave, Plan, Study};
+use crate::spatial::classify::{self, LeaveOut, Plan, Study};
 
 /// Writes the pictures into a folder, as SVG and PNG, and gives their paths.
 ///
@@ -32,13 +32,13 @@ fn rates(plan: &Plan<'_>, study: &Study) -> Markup {
         ("world", format!("by the nearest pose of another {word}")),
     ];
     let row = |measure: &Measure| {
-        let of = |leave: &Leave| {
+        let of = |leave: &LeaveOut| {
             let summary = study.of(*measure, *leave)?.over_draws(|rates| rates.poses);
             summary.map(|summary| interval(&summary))
         };
         Row {
             label: measure.to_string(),
-            intervals: Leave::ALL.iter().map(of).collect(),
+            intervals: LeaveOut::ALL.iter().map(of).collect(),
             paper: classify::paper(plan.classes, *measure),
         }
     };
@@ -63,7 +63,7 @@ fn groups(plan: &Plan<'_>, study: &Study) -> Markup {
                 .measures
                 .iter()
                 .find(|own| (own.metric, own.weighting) == (measure.metric, measure.weighting))?;
-            study.of(*own, Leave::Group)
+            study.of(*own, LeaveOut::Group)
         })
         .collect();
     let (mut rows, mut cells) = (Vec::new(), Vec::new());

@@ -8,8 +8,8 @@ use sinew_pose_metrics::spatial::{Metric, Weighting};
 use sinew_report::chart::{Histograms, Panel, Plane, planes};
 use sinew_report::file::write_all;
 
-use crate::spatial::components::{self, Figure, Part};
-use crate::spatial::geodesic_ratio::{LOWEST_OF_PAPER, Outcome, Pair};
+use crate::spatial::components::{self, Figure, RecordingGroup};
+use crate::spatial::geodesic_ratio::{Outcome, PAPER_LOWEST_RATIO, Pair};
 
 /// Writes the histograms of geodesics over lines into a folder, as SVG and PNG, and gives their paths.
 ///
@@ -26,7 +26,7 @@ pub fn write_geodesic_ratio(outcomes: &[Outcome], folder: &Path) -> io::Result<V
         Panel {
             title: format!("{}: {} pairs", outcome.condition.name, outcome.pairs.len()),
             values: turns.windows(2).map(within).collect(),
-            mark: Some((LOWEST_OF_PAPER, "lowest of the paper".to_owned())),
+            mark: Some((PAPER_LOWEST_RATIO, "lowest of the paper".to_owned())),
         }
     });
     let picture = Histograms {
@@ -86,8 +86,8 @@ fn walks(study: &components::Study, walkers: [&str; 2]) -> Markup {
 }
 
 fn shares(study: &components::Study, title: &str, of: Figure) -> Markup {
-    let is_there = |part: &Part| study.recordings.iter().any(|one| one.part() == *part);
-    let parts: Vec<Part> = Part::ALL.into_iter().filter(is_there).collect();
+    let is_there = |part: &RecordingGroup| study.recordings.iter().any(|one| one.part() == *part);
+    let parts: Vec<RecordingGroup> = RecordingGroup::ALL.into_iter().filter(is_there).collect();
     let panel = |(metric, name): (Metric, &str)| {
         let values = parts.iter().map(|part| {
             let own = study.recordings.iter().filter(|one| one.part() == *part);
@@ -116,11 +116,11 @@ fn shares(study: &components::Study, title: &str, of: Figure) -> Markup {
 }
 
 /// The colours of parts: those of methods of control, which no chart shows beside them.
-const fn class(part: Part) -> &'static str {
+const fn class(part: RecordingGroup) -> &'static str {
     match part {
-        Part::Cmu31 => "local",
-        Part::CmuOthers => "egocentric",
-        Part::Bandai => "world",
-        Part::BuiltIn => "accumulated",
+        RecordingGroup::Cmu31 => "local",
+        RecordingGroup::CmuOthers => "egocentric",
+        RecordingGroup::Bandai => "world",
+        RecordingGroup::BuiltIn => "accumulated",
     }
 }

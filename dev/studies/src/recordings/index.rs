@@ -6,8 +6,6 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use sinew_mocap::bvh;
 
-use super::RATE_HZ;
-
 /// What is done in a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -151,3 +149,6 @@ pub(super) fn thinned(
     let settling = whole((settling_s * rate_hz - 1e-3).ceil().max(0.0));
     (first + settling..count).step_by(step)
 }
+
+/// Rate that recordings are thinned out to: `broad-12hz` has it, and neighbours at 120 Hz tell little new.
+pub const RATE_HZ: f64 = 12.0;

@@ -12,12 +12,9 @@ use std::path::Path;
 use glam::DQuat;
 use sinew_mocap::{JointSample, Recording, Skeleton, SkeletonJoint, bvh};
 
-pub use index::{Class, DataError};
+pub use index::{Class, DataError, RATE_HZ};
 use index::{Row, thinned};
 use sinew_figure::builtin;
-
-/// Rate that recordings are thinned out to: `broad-12hz` has it, and neighbours at 120 Hz tell little new.
-pub const RATE_HZ: f64 = 12.0;
 
 /// What CMU's recordings begin with and is left out: fingers that settle, feet that jump.
 const SETTLING_S: f64 = 0.1;

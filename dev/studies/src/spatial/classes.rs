@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use sinew_pose_metrics::spatial::{MeasuredPose, Measuring};
+use sinew_pose_metrics::spatial::{MeasuredPose, RigMeasure};
 
 use crate::recordings::{Class, DataSet, Pose, Recordings, Sequence};
 use sinew_core::pose_space::PoseSpaceError;
@@ -140,7 +140,7 @@ impl TwoClasses {
     /// The poses of all sequences, made ready to be compared.
     pub(super) fn measured(
         &self,
-        measuring: &Measuring<'_>,
+        measuring: &RigMeasure<'_>,
     ) -> Result<Vec<Vec<MeasuredPose>>, ClassesError> {
         let of_sequence = |sequence: &Labelled| {
             let ready = |(pose, frame): (usize, &Pose)| {

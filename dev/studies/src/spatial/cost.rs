@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use cpu_time::ThreadTime;
 use serde_json::{Value, json};
-use sinew_pose_metrics::spatial::{Measure, Measuring, SpatialRig, Workspace};
+use sinew_pose_metrics::spatial::{Measure, RigMeasure, SpatialRig, Workspace};
 
 use super::classes::{ClassesError, TwoClasses};
 
@@ -44,7 +44,7 @@ pub fn of(
     let mut times_ns = vec![[Vec::new(), Vec::new()]; measures.len()];
     for round in 0..WARM_UP + ROUNDS {
         for (measure, [distances_ns, poses_ns]) in measures.iter().zip(&mut times_ns) {
-            let measuring = Measuring::new(rig, *measure);
+            let measuring = RigMeasure::new(rig, *measure);
             let start = ThreadTime::now();
             let measured = some.measured(&measuring)?;
             let ready = ThreadTime::now();

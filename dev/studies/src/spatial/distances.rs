@@ -4,14 +4,14 @@ use std::io::{self, Write};
 
 use npyz::WriterBuilder as _;
 use rayon::prelude::*;
-use sinew_pose_metrics::spatial::{MeasuredPose, Measuring, Workspace};
+use sinew_pose_metrics::spatial::{MeasuredPose, RigMeasure, Workspace};
 
 /// Distances that are held at a time: 16 MB of them.
 const HELD: usize = 1 << 22;
 
 /// What was written.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Written {
+pub struct WrittenDistances {
     /// Number of pairs of poses.
     pub pairs: usize,
     /// How large they are; of fewer than two poses there are none.
@@ -39,11 +39,11 @@ pub struct Spread {
 /// # Errors
 /// What the writer says.
 pub fn write_distances(
-    measuring: &Measuring<'_>,
+    measuring: &RigMeasure<'_>,
     poses: &[MeasuredPose],
     out: impl Write,
     done: impl Fn(usize) + Sync,
-) -> io::Result<Written> {
+) -> io::Result<WrittenDistances> {
     let count = poses.len();
     let pairs = count * count.saturating_sub(1) / 2;
     let shape = [pairs as u64];
@@ -77,7 +77,7 @@ pub fn write_distances(
     }
     npy.finish()?;
     let distances = (pairs > 0).then(|| Spread { least, mean: sum / pairs as f64, most });
-    Ok(Written { pairs, distances })
+    Ok(WrittenDistances { pairs, distances })
 }
 
 #[cfg(test)]
@@ -94,7 +94,7 @@ mod tests {
     fn what_is_written_are_the_distances_in_scipys_order() {
         let clip = builtin::clips().swap_remove(0);
         let rig = SpatialRig::new(&clip.skeleton, None).unwrap();
-        let measuring = Measuring::new(&rig, Measure::new(Metric::Line));
+        let measuring = RigMeasure::new(&rig, Measure::new(Metric::Line));
         let frames = clip.frames.iter().step_by(40).take(6);
         let poses: Vec<MeasuredPose> = frames
             .map(|frame| {
@@ -126,7 +126,7 @@ mod tests {
     #[test]
     fn of_one_pose_there_is_nothing_to_write() {
         let rig = SpatialRig::new(&builtin::clips()[0].skeleton, None).unwrap();
-        let measuring = Measuring::new(&rig, Measure::new(Metric::Angles));
+        let measuring = RigMeasure::new(&rig, Measure::new(Metric::Angles));
         let mut bytes = Vec::new();
         let written = write_distances(&measuring, &[], &mut bytes, |_| ()).unwrap();
         assert_eq!((written.pairs, written.distances), (0, None));

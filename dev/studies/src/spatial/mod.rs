@@ -16,5 +16,5 @@ mod sign_test;
 mod summary;
 mod tables;
 
-pub use distances::{Spread, Written, write_distances};
+pub use distances::{Spread, WrittenDistances, write_distances};
 pub use summary::Summary;

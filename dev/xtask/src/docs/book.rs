@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 
-use super::Fault;
+use super::fault::Fault;
 use super::links;
 use super::page::Page;
 use sinew_steps::step;

@@ -4,9 +4,10 @@ use std::process::{Command, Output};
 
 use anyhow::Result;
 
-use super::Fault;
 use super::cargo::Workspace;
+use super::fault::Fault;
 use super::page::Page;
+use crate::task::Task;
 use crate::{nextest, studies};
 
 /// Programs of ours, by the package or the manifest that cargo is told.
@@ -87,7 +88,7 @@ fn fault(call: &Call, workspace: &Workspace) -> Option<String> {
         Call::Cargo(options) => workspace.fault(options),
         Call::Xtask(words) => {
             let words: Vec<&str> = words.iter().map(String::as_str).collect();
-            crate::action(&words).is_none().then(|| "xtask has no such command".into())
+            Task::parse(&words).is_none().then(|| "xtask has no such command".into())
         }
         Call::Program(name, arguments) => match parsed(name, arguments) {
             Ok(Some(output)) if !output.status.success() => {

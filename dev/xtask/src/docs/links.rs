@@ -2,7 +2,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use super::Fault;
+use super::fault::Fault;
 use super::page::Page;
 use sinew_steps::step;
 

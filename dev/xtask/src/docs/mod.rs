@@ -3,24 +3,19 @@
 mod book;
 mod cargo;
 mod commands;
+mod fault;
+mod files;
 mod links;
 mod page;
 mod width;
 
-use std::path::PathBuf;
-
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Result, ensure};
 
 use crate::nextest;
+use fault::Fault;
+use files::files;
 use page::Page;
 use sinew_steps::step;
-
-/// What is wrong, and in which line of which file.
-struct Fault {
-    path: PathBuf,
-    line: usize,
-    what: String,
-}
 
 /// Checks every page of the repository, then builds the book.
 pub(crate) fn run() -> Result<()> {
@@ -64,13 +59,4 @@ fn refuse(faults: &[Fault]) -> Result<()> {
 /// All Markdown files that are no one's output.
 fn pages() -> Result<Vec<Page>> {
     files("*.md")?.into_iter().map(Page::read).collect()
-}
-
-/// The repository's files of a pattern, new ones too.
-fn files(pattern: &str) -> Result<Vec<PathBuf>> {
-    let listed =
-        ["ls-files", "--cached", "--others", "--exclude-standard", "--deduplicate", pattern];
-    let list = step::output(step::command("git").args(listed)).context("`git ls-files` failed")?;
-    // A file that was moved is listed until that is committed.
-    Ok(list.lines().map(PathBuf::from).filter(|path| step::root().join(path).is_file()).collect())
 }

@@ -5,8 +5,9 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result};
 
+use super::fault::Fault;
+use super::files::files;
 use super::page::Page;
-use super::{Fault, files};
 use sinew_steps::step;
 
 /// Columns of the widest line. Tables, code and addresses may be wider.

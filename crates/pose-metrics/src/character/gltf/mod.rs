@@ -17,7 +17,7 @@ use std::path::Path;
 
 use ::gltf::{Document, Gltf};
 
-use super::error::{Place, Refusal, refuse};
+use super::error::{FilePosition, Refusal, refuse};
 use super::mesh::Mesh;
 use super::model::Character;
 use buffers::Buffers;
@@ -81,5 +81,5 @@ fn check_header(bytes: &[u8]) -> Result<(), Refusal> {
     }
     let expected = format!("the file's size, {} bytes", bytes.len());
     let found = size.map_or("none".into(), |size| size.to_string());
-    Err(refuse("the header", expected, found).at(Place::Byte(8)))
+    Err(refuse("the header", expected, found).at(FilePosition::Byte(8)))
 }

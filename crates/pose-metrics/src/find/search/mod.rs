@@ -7,7 +7,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::spatial::{
-    BODY_COUNT, MeasuredPose, Measuring, Metric, SpatialRig, Weighting, Workspace,
+    BODY_COUNT, MeasuredPose, Metric, RigMeasure, SpatialRig, Weighting, Workspace,
 };
 
 /// Poses that a query, itself some poses in a row, is searched in: every place of a clip where it fits is a moment's
@@ -19,7 +19,7 @@ use crate::spatial::{
 /// order of a lower bound of their distance, until that exceeds the distance of the last moment wanted; sums are
 /// given up once they exceed it. The bounds:
 ///
-/// - for lines and geodesics, the way straight through space, [`Measuring::position_distance`], of which in exact
+/// - for lines and geodesics, the way straight through space, [`RigMeasure::position_distance`], of which in exact
 ///   numbers none is shorter. f32 is not exact: from the bound is taken 1e-5 of itself, and 1e-5 of what the joints'
 ///   reach from the root amounts to as a distance (under 0.1 mm for a figure), which is some hundred times what
 ///   rounding comes to.
@@ -27,7 +27,7 @@ use crate::spatial::{
 ///   distance costs little more than any bound.
 #[derive(Debug, Clone)]
 pub struct Search<'a, const N: usize = BODY_COUNT> {
-    measuring: &'a Measuring<'a, N>,
+    measuring: &'a RigMeasure<'a, N>,
     query: &'a [MeasuredPose<N>],
     clips: &'a [Vec<MeasuredPose<N>>],
     /// Of each clip, places that are no moments.
@@ -61,12 +61,12 @@ pub struct Found {
     /// The nearest first.
     pub moments: Vec<Moment>,
     /// What it took.
-    pub work: Work,
+    pub work: SearchStats,
 }
 
 /// What a search took; the same for any number of threads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Work {
+pub struct SearchStats {
     /// Places where the query fits.
     pub places: usize,
     /// Distances of two poses that computing all would take.
@@ -77,7 +77,7 @@ pub struct Work {
     pub bounds: usize,
 }
 
-impl Work {
+impl SearchStats {
     /// The share of the distances that was never computed. Those that a bound is of are computed again with their
     /// sum, so that it may be none.
     pub fn spared(&self) -> f64 {
@@ -98,7 +98,7 @@ const EVERY: usize = 8;
 const SUM: f64 = 1.0 - 1e-12;
 
 /// A place: clip and pose.
-type Place = (usize, usize);
+type FrameTime = (usize, usize);
 
 /// What is known of a place.
 #[derive(Debug, Clone, Copy)]
@@ -113,7 +113,7 @@ impl<'a, const N: usize> Search<'a, N> {
     /// A search for `query` in poses of one rig, measured alike.
     pub fn new(
         rig: &SpatialRig<N>,
-        measuring: &'a Measuring<'a, N>,
+        measuring: &'a RigMeasure<'a, N>,
         query: &'a [MeasuredPose<N>],
         clips: &'a [Vec<MeasuredPose<N>>],
     ) -> Self {
@@ -144,7 +144,7 @@ impl<'a, const N: usize> Search<'a, N> {
     pub fn nearest(&self, limits: Limits, done: impl Fn(usize) + Sync) -> Found {
         let places = self.places();
         let mut work = self.work(&places);
-        let first: Vec<(Known, Work)> = places
+        let first: Vec<(Known, SearchStats)> = places
             .par_iter()
             .enumerate()
             .map_init(Workspace::new, |workspace, (index, place)| {
@@ -180,7 +180,7 @@ impl<'a, const N: usize> Search<'a, N> {
             if batch.is_empty() {
                 break;
             }
-            let results: Vec<(Known, Work)> = batch
+            let results: Vec<(Known, SearchStats)> = batch
                 .par_iter()
                 .map_init(Workspace::new, |workspace, index| {
                     self.sum(places[*index], limit, workspace)
@@ -201,7 +201,7 @@ impl<'a, const N: usize> Search<'a, N> {
     pub fn nearest_of_all(&self, limits: Limits, done: impl Fn(usize) + Sync) -> Found {
         let places = self.places();
         let mut work = self.work(&places);
-        let sums: Vec<(Known, Work)> = places
+        let sums: Vec<(Known, SearchStats)> = places
             .par_iter()
             .enumerate()
             .map_init(Workspace::new, |workspace, (index, place)| {
@@ -225,7 +225,7 @@ impl<'a, const N: usize> Search<'a, N> {
     }
 
     /// Where the query fits.
-    fn places(&self) -> Vec<Place> {
+    fn places(&self) -> Vec<FrameTime> {
         let length = self.query.len().max(1);
         let of_clip = |(clip, poses): (usize, &Vec<MeasuredPose<N>>)| {
             let places = 0..(poses.len() + 1).saturating_sub(length);
@@ -236,13 +236,17 @@ impl<'a, const N: usize> Search<'a, N> {
         self.clips.iter().enumerate().flat_map(of_clip).collect()
     }
 
-    fn work(&self, places: &[Place]) -> Work {
-        Work { places: places.len(), all: places.len() * self.query.len(), ..Work::default() }
+    fn work(&self, places: &[FrameTime]) -> SearchStats {
+        SearchStats {
+            places: places.len(),
+            all: places.len() * self.query.len(),
+            ..SearchStats::default()
+        }
     }
 
     fn pairs(
         &self,
-        (clip, pose): Place,
+        (clip, pose): FrameTime,
     ) -> impl DoubleEndedIterator<Item = (&MeasuredPose<N>, &MeasuredPose<N>)> {
         self.query.iter().zip(&self.clips[clip][pose..pose + self.query.len()])
     }
@@ -259,11 +263,14 @@ impl<'a, const N: usize> Search<'a, N> {
     }
 
     /// What the squared sum of a place is at least.
-    fn bound(&self, place: Place, workspace: &mut Workspace<N>) -> (Known, Work) {
+    fn bound(&self, place: FrameTime, workspace: &mut Workspace<N>) -> (Known, SearchStats) {
         let count = self.query.len();
         if self.is_length_of_curve() {
             let sum: f64 = self.pairs(place).map(|pair| self.least(pair)).sum();
-            return (Known::AtLeast(sum * SUM), Work { bounds: count, ..Work::default() });
+            return (
+                Known::AtLeast(sum * SUM),
+                SearchStats { bounds: count, ..SearchStats::default() },
+            );
         }
         if count == 1 {
             return self.sum(place, f64::INFINITY, workspace);
@@ -271,13 +278,18 @@ impl<'a, const N: usize> Search<'a, N> {
         let some = self.pairs(place).step_by(EVERY);
         let sum: f64 = some.map(|(a, b)| squared(self.measuring.distance(a, b, workspace))).sum();
         let computed = count.div_ceil(EVERY);
-        (Known::AtLeast(sum * SUM), Work { computed, ..Work::default() })
+        (Known::AtLeast(sum * SUM), SearchStats { computed, ..SearchStats::default() })
     }
 
     /// The squared sum of a place, in the order of frames; given up when it is above a limit.
-    fn sum(&self, place: Place, limit: f64, workspace: &mut Workspace<N>) -> (Known, Work) {
+    fn sum(
+        &self,
+        place: FrameTime,
+        limit: f64,
+        workspace: &mut Workspace<N>,
+    ) -> (Known, SearchStats) {
         let count = self.query.len();
-        let mut work = Work::default();
+        let mut work = SearchStats::default();
         // What the frames from each one on come to at least.
         let mut rest = Vec::new();
         if self.is_length_of_curve() && limit.is_finite() && count > 1 {
@@ -314,7 +326,7 @@ fn squared(distance: f32) -> f64 {
     f64::from(distance) * f64::from(distance)
 }
 
-impl Work {
+impl SearchStats {
     fn add(&mut self, other: Self) {
         self.computed += other.computed;
         self.bounds += other.bounds;
@@ -329,7 +341,7 @@ struct Computed<'a> {
     /// By clip and pose; NaN where it is not known.
     sums: Vec<Vec<f64>>,
     /// In the order of their sums.
-    order: BTreeSet<(u64, Place)>,
+    order: BTreeSet<(u64, FrameTime)>,
 }
 
 impl<'a> Computed<'a> {
@@ -342,22 +354,22 @@ impl<'a> Computed<'a> {
         Self { limits, closed, sums, order: BTreeSet::new() }
     }
 
-    fn add(&mut self, place: Place, sum: f64) {
+    fn add(&mut self, place: FrameTime, sum: f64) {
         self.sums[place.0][place.1] = sum;
         self.order.insert((sum.to_bits(), place));
     }
 
     /// The nearest moments, as far as is known.
-    fn nearest(&self) -> impl Iterator<Item = (Place, f64)> {
+    fn nearest(&self) -> impl Iterator<Item = (FrameTime, f64)> {
         let all = self.order.iter().map(|(bits, place)| (*place, f64::from_bits(*bits)));
-        let open = |(clip, pose): &Place| !self.closed[*clip].contains(pose);
+        let open = |(clip, pose): &FrameTime| !self.closed[*clip].contains(pose);
         all.filter(move |(place, sum)| open(place) && self.is_moment(*place, *sum))
             .take(self.limits.count)
     }
 
     /// Whether no better place, or as good and earlier, is near. What is not known is not better: a place that is
     /// unknown when the search ends is above the limit.
-    fn is_moment(&self, (clip, pose): Place, sum: f64) -> bool {
+    fn is_moment(&self, (clip, pose): FrameTime, sum: f64) -> bool {
         let sums = &self.sums[clip];
         let near = self.limits.apart.saturating_sub(1);
         let before = &sums[pose.saturating_sub(near)..pose];

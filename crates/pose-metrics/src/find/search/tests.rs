@@ -99,7 +99,7 @@ proptest! {
         closed in (0_usize..30, 0_usize..20),
     ) {
         let rig = SpatialRig::new(&skeleton(), None).unwrap();
-        let measuring = Measuring::new(&rig, measure);
+        let measuring = RigMeasure::new(&rig, measure);
         let mut random = Random::new(seed, subject());
         let motions: Vec<_> = lengths.iter().map(|frames| motion(&mut random, *frames, turn)).collect();
         let mut query = motion(&mut random, query_length, turn);
@@ -128,7 +128,7 @@ proptest! {
     fn lines_are_not_shorter_than_the_bound(seed in any::<u64>(), turn in -6.0..0.5, weighted in any::<bool>()) {
         let rig = SpatialRig::new(&skeleton(), None).unwrap();
         let line = Measure::new(Metric::Line);
-        let measuring = Measuring::new(&rig, if weighted { line.weighted() } else { line });
+        let measuring = RigMeasure::new(&rig, if weighted { line.weighted() } else { line });
         let search = Search::new(&rig, &measuring, &[], &[]);
         let mut random = Random::new(seed, subject());
         let a = motion(&mut random, 1, 1.5).swap_remove(0);
@@ -146,7 +146,7 @@ proptest! {
 #[test]
 fn lines_far_away_are_spared() {
     let rig = SpatialRig::new(&skeleton(), None).unwrap();
-    let measuring = Measuring::new(&rig, Measure::new(Metric::Line));
+    let measuring = RigMeasure::new(&rig, Measure::new(Metric::Line));
     let mut random = Random::new(1, subject());
     let motion = motion(&mut random, 2000, 0.5);
     let clips: Vec<Vec<_>> =
@@ -167,7 +167,7 @@ fn geodesics_far_away_are_spared() {
     let mut random = Random::new(2, subject());
     let motion = motion(&mut random, 200, 0.5);
     let of = |metric| {
-        let measuring = Measuring::new(&rig, Measure::new(metric).weighted());
+        let measuring = RigMeasure::new(&rig, Measure::new(metric).weighted());
         let clips: Vec<Vec<_>> =
             vec![motion.iter().map(|pose| measuring.pose(pose).unwrap()).collect()];
         let search = Search::new(&rig, &measuring, &clips[0][100..102], &clips);

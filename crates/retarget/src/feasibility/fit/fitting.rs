@@ -10,7 +10,7 @@ use super::error::FitError;
 use super::joint::{distance, draw};
 use super::progress::Progress;
 use super::rest::Rest;
-use super::result::{Fit, FitSettings, Lowered, Smoothed};
+use super::result::{Fit, FitSettings, LoweredJoint, SmoothedJoint};
 use super::scan::{LimitScan, ScanResult, lower_chain, most_held};
 use super::smooth;
 use super::within::Within;
@@ -343,7 +343,7 @@ impl<'a> Fitting<'a> {
             lowered: lowered
                 .map(|(joint, share)| {
                     let (share, at_s) = least(share);
-                    Lowered { joint: self.name(joint), share, at_s }
+                    LoweredJoint { joint: self.name(joint), share, at_s }
                 })
                 .collect(),
             clamped: clamped.map(|(joint, change)| (self.name(joint), *change)).collect(),
@@ -359,10 +359,10 @@ impl<'a> Fitting<'a> {
         }
     }
 
-    fn smoothed(&self) -> Vec<Smoothed> {
+    fn smoothed(&self) -> Vec<SmoothedJoint> {
         let of_joint = |(joint, widest): (usize, &Option<(f64, f64)>)| {
             let (width_s, change) = (*widest)?;
-            Some(Smoothed { joint: self.name(joint), width_s, change })
+            Some(SmoothedJoint { joint: self.name(joint), width_s, change })
         };
         self.widest.iter().enumerate().filter_map(of_joint).collect()
     }

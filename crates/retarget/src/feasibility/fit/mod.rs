@@ -29,7 +29,7 @@ use fitting::{Fitting, Round};
 use interpolation::interpolated;
 pub use progress::Progress;
 use rest::Rest;
-pub use result::{Fit, FitSettings, Lowered, Smoothed};
+pub use result::{Fit, FitSettings, LoweredJoint, SmoothedJoint};
 use within::Within;
 
 /// What a drive has, beside what holds the rig at rest, to leave it.

@@ -32,11 +32,11 @@ pub struct Fit {
     /// Time in the given motion of every row of the new one, s: cues follow.
     pub given_s: Vec<f64>,
     /// Joints whose angles were low-passed.
-    pub smoothed: Vec<Smoothed>,
+    pub smoothed: Vec<SmoothedJoint>,
     /// The slowest course: share of the given speed, and when in the given motion, s.
     pub slowest: (f64, f64),
     /// Joints that were drawn towards home.
-    pub lowered: Vec<Lowered>,
+    pub lowered: Vec<LoweredJoint>,
     /// Where home itself is too heavy: joints of the lighter pose that is drawn towards instead, and how far from home
     /// they are, rad or m.
     pub lightened: Vec<(String, f64)>,
@@ -48,7 +48,7 @@ pub struct Fit {
 
 /// A low-passed joint.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Smoothed {
+pub struct SmoothedJoint {
     /// The joint.
     pub joint: String,
     /// Standard deviation of the low-pass, s.
@@ -59,7 +59,7 @@ pub struct Smoothed {
 
 /// A joint that was drawn towards home.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Lowered {
+pub struct LoweredJoint {
     /// The joint.
     pub joint: String,
     /// The least share of its way from home that is left.

@@ -1,20 +1,20 @@
 //! Which joints make each body of the figure.
 
 use sinew_mocap::Skeleton;
-use sinew_mocap::skeleton_map::{End, Part as MapPart};
+use sinew_mocap::skeleton_map::{BodyJoints, End};
 
 use super::super::SkeletonMatch;
 use super::super::body::Body;
 use super::super::name::{Kind, Part};
 use super::ends::Ends;
-use super::error::NoMapping;
+use super::error::FigureMappingError;
 use super::note::Note;
 use crate::skeleton::found::Found;
 use crate::{Landmark, Side};
 
 /// A body of the proposal.
 pub(super) struct Proposed {
-    pub part: MapPart,
+    pub part: BodyJoints,
     pub note: Note,
 }
 
@@ -34,7 +34,7 @@ impl<'a> Draft<'a> {
     pub(super) fn new(
         skeleton: &'a Skeleton,
         matched: &'a SkeletonMatch,
-    ) -> Result<Self, NoMapping> {
+    ) -> Result<Self, FigureMappingError> {
         let optional = |landmark: Landmark| matches!(landmark, Landmark::Neck | Landmark::Toe(_));
         let missing: Vec<_> = matched
             .missing()
@@ -45,10 +45,10 @@ impl<'a> Draft<'a> {
         let (Some(pelvis), Some(chest), Some(head)) =
             (at(Landmark::Pelvis), at(Landmark::Chest), at(Landmark::Head))
         else {
-            return Err(NoMapping::Missing(missing));
+            return Err(FigureMappingError::Missing(missing));
         };
         if !missing.is_empty() {
-            return Err(NoMapping::Missing(missing));
+            return Err(FigureMappingError::Missing(missing));
         }
         let body = Body::new(skeleton, &[]);
         let pelvis = body.common_ancestor(pelvis, chest);
@@ -230,7 +230,7 @@ impl<'a> Draft<'a> {
             .map_or((0.0, String::new()), |Found { confidence, reason, .. }| {
                 (*confidence, reason.clone())
             });
-        let part = MapPart { origin: self.name(origin), rotation: self.name(rotation), end };
+        let part = BodyJoints { origin: self.name(origin), rotation: self.name(rotation), end };
         Proposed {
             part,
             note: Note {

@@ -4,7 +4,7 @@ use crate::Landmark;
 
 /// Why a skeleton cannot be mapped on the figure.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum NoMapping {
+pub enum FigureMappingError {
     /// Landmarks that the figure needs are not there.
     #[error("the figure of 18 bodies needs landmarks that the skeleton does not have: {}", list(.0))]
     Missing(Vec<(Landmark, String)>),

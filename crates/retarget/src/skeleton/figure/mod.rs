@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use sinew_mocap::skeleton_map::{End, Signature};
 use sinew_mocap::{Skeleton, SkeletonMap};
 
-pub use error::NoMapping;
+pub use error::FigureMappingError;
 pub use note::Note;
 
 use draft::{Draft, Proposed};
@@ -53,12 +53,12 @@ pub fn head_end(skeleton: &Skeleton, matched: &SkeletonMatch) -> Option<(End, Op
 /// The map of `skeleton` on the figure of 18 bodies, by the landmarks of `matched`.
 ///
 /// # Errors
-/// [`NoMapping`] names every landmark that is missing.
+/// [`FigureMappingError`] names every landmark that is missing.
 pub fn figure_mapping(
     skeleton: &Skeleton,
     matched: &SkeletonMatch,
     head: MapHead<'_>,
-) -> Result<FigureMapping, NoMapping> {
+) -> Result<FigureMapping, FigureMappingError> {
     let draft = Draft::new(skeleton, matched)?;
     let mut bodies = draft.trunk();
     for side in Side::ALL {
@@ -85,7 +85,7 @@ pub fn figure_mapping(
 
 /// By what the skeleton is known again: all joints that the map names; neck and clavicles at their parents or not, by
 /// which CMU's conversions differ.
-fn signature(skeleton: &Skeleton, bodies: &[Proposed]) -> Result<Signature, NoMapping> {
+fn signature(skeleton: &Skeleton, bodies: &[Proposed]) -> Result<Signature, FigureMappingError> {
     let ends = bodies.iter().map(|body| match &body.part.end {
         End::Joint(joint) | End::Site { site: joint } | End::Beyond { beyond: joint, .. } => joint,
     });
@@ -94,7 +94,7 @@ fn signature(skeleton: &Skeleton, bodies: &[Proposed]) -> Result<Signature, NoMa
     let mut joints = Vec::new();
     for joint in skeleton.joints.iter().filter(|joint| used.contains(&joint.name)) {
         if joints.contains(&joint.name) {
-            return Err(NoMapping::SameName(joint.name.clone()));
+            return Err(FigureMappingError::SameName(joint.name.clone()));
         }
         joints.push(joint.name.clone());
     }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::description::{
     Address, Base, Body, Drive, DriveKind, InertiaMatrix, Joint, JointType, LinkedLimit, Servo,
-    ServoModel, Sourced, Supply,
+    ServoModel, SourcedValue, Supply,
 };
 
 fn body(name: &str) -> Body {
@@ -83,7 +83,7 @@ fn rig() -> Description {
 fn model(name: &str) -> ServoModel {
     let mut model = ServoModel { name: name.to_owned(), ..ServoModel::default() };
     for (_, value) in model.values_mut() {
-        *value = Sourced { value: 1.0, source: "guess: a test".to_owned() };
+        *value = SourcedValue { value: 1.0, source: "guess: a test".to_owned() };
     }
     model
 }

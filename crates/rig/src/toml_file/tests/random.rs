@@ -2,7 +2,7 @@
 
 use crate::description::{
     Address, Base, Body, Description, Drive, DriveKind, InertiaMatrix, Joint, JointType,
-    LinkedLimit, Mount, Servo, ServoModel, SignalLoss, Sourced, Supply,
+    LinkedLimit, Mount, Servo, ServoModel, SignalLoss, SourcedValue, Supply,
 };
 
 /// Seeded random numbers (`SplitMix64`).
@@ -310,7 +310,7 @@ fn servo(r: &mut Random, index: usize) -> Servo {
 fn model(r: &mut Random, index: usize) -> ServoModel {
     let mut model = ServoModel { name: r.name("model", index), ..ServoModel::default() };
     for (_, value) in model.values_mut() {
-        *value = Sourced { value: r.positive(), source: r.name("guess: ", index) };
+        *value = SourcedValue { value: r.positive(), source: r.name("guess: ", index) };
     }
     model
 }

@@ -4,7 +4,7 @@ use candle_core::{CpuStorage, CustomOp1, Error, Layout, Result, Shape, Tensor};
 use glam::{Mat3, Vec3};
 use sinew_mocap::Skeleton;
 
-use super::{NUMBERS, SQUARE_MIN};
+use super::layout::{NUMBERS, SQUARE_MIN};
 use crate::autoencoder::two_columns;
 
 /// What the sweeps need of the skeleton: each joint's parent and its offset in metres.

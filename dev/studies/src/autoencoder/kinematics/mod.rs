@@ -4,20 +4,16 @@
 //! the root at the origin, and the two columns of its global rotation.
 
 mod fused;
+mod layout;
 mod tensors;
 
 use candle_core::{Result, Tensor};
 use serde::Serialize;
 
 use fused::Fused;
+pub(super) use layout::NUMBERS;
 use sinew_mocap::Skeleton;
 use tensors::Tensors;
-
-/// Numbers per joint that forward kinematics makes.
-pub(super) const NUMBERS: usize = 9;
-
-/// Added to squared lengths, so that a column without a length has a gradient.
-const SQUARE_MIN: f32 = 1e-12;
 
 /// How forward kinematics is written: the result is the same, the time is not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

@@ -3,7 +3,7 @@
 use candle_core::{D, Device, Result, Tensor};
 use sinew_mocap::Skeleton;
 
-use super::SQUARE_MIN;
+use super::layout::SQUARE_MIN;
 
 /// Joints whose global poses are found at once: none is below another.
 #[derive(Debug, Clone)]

@@ -5,7 +5,7 @@ mod report;
 
 use serde::Serialize;
 use sinew_host_util::random::{Random, Subject};
-use sinew_pose_metrics::spatial::{Measure, Measuring, SpatialRig};
+use sinew_pose_metrics::spatial::{Measure, RigMeasure, SpatialRig};
 
 pub use nearest::Nearest;
 pub(crate) use report::paper;
@@ -33,14 +33,14 @@ pub struct Plan<'a> {
 /// Which poses are no neighbours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Leave {
+pub enum LeaveOut {
     /// Those of the same sequence.
     Sequence,
     /// Those of the same group, such as of the same person.
     Group,
 }
 
-impl Leave {
+impl LeaveOut {
     /// Both.
     pub const ALL: [Self; 2] = [Self::Sequence, Self::Group];
 }
@@ -87,7 +87,7 @@ pub struct Outcome {
     /// The measure.
     pub measure: Measure,
     /// Which poses were no neighbours.
-    pub leave: Leave,
+    pub leave: LeaveOut,
     /// By draw.
     pub draws: Vec<Rates>,
     /// By sequence.
@@ -105,7 +105,7 @@ pub struct Study {
 
 impl Study {
     /// What became of a measure.
-    pub fn of(&self, measure: Measure, leave: Leave) -> Option<&Outcome> {
+    pub fn of(&self, measure: Measure, leave: LeaveOut) -> Option<&Outcome> {
         self.outcomes.iter().find(|o| o.measure == measure && o.leave == leave)
     }
 }
@@ -129,9 +129,9 @@ pub fn run(plan: &Plan<'_>, progress: &(dyn Fn(usize) + Sync)) -> Result<Study, 
     let draws: Vec<Vec<usize>> = (0..plan.draws as u64).map(|number| draw(plan, number)).collect();
     let mut outcomes = Vec::new();
     for measure in &plan.measures {
-        let measuring = Measuring::new(plan.rig, *measure);
+        let measuring = RigMeasure::new(plan.rig, *measure);
         let nearest = Nearest::new(&measuring, &plan.classes.measured(&measuring)?, progress);
-        for leave in Leave::ALL {
+        for leave in LeaveOut::ALL {
             let mut sequences = vec![Tally::default(); plan.classes.sequences.len()];
             let told = draws.iter().map(|draw| {
                 let right = tell(plan.classes, &nearest, draw, leave);
@@ -162,15 +162,15 @@ fn draw(plan: &Plan<'_>, number: u64) -> Vec<usize> {
 
 /// How many poses of each sequence of a draw have a nearest neighbour of their class. What has none is not classified
 /// correctly.
-fn tell(classes: &TwoClasses, nearest: &Nearest, draw: &[usize], leave: Leave) -> Vec<Tally> {
+fn tell(classes: &TwoClasses, nearest: &Nearest, draw: &[usize], leave: LeaveOut) -> Vec<Tally> {
     let of_sequence = |own: &usize| {
         let Labelled { class, group, frames, .. } = &classes.sequences[*own];
         let others: Vec<usize> = draw
             .iter()
             .copied()
             .filter(|other| match leave {
-                Leave::Sequence => other != own,
-                Leave::Group => classes.sequences[*other].group != *group,
+                LeaveOut::Sequence => other != own,
+                LeaveOut::Group => classes.sequences[*other].group != *group,
             })
             .collect();
         let is_right = |pose: &usize| {
@@ -242,7 +242,7 @@ mod tests {
         let study = run(&plan(&classes, &rig), &|_| ()).unwrap();
         for outcome in &study.outcomes {
             // Without its group there is none of its class.
-            let expected = if outcome.leave == Leave::Sequence { 1.0 } else { 0.0 };
+            let expected = if outcome.leave == LeaveOut::Sequence { 1.0 } else { 0.0 };
             let rates = Rates { poses: expected, of_class: [expected; 2], sequences: expected };
             assert_eq!(outcome.draws, vec![rates; 5], "{} {:?}", outcome.measure, outcome.leave);
         }

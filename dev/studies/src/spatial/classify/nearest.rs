@@ -2,7 +2,7 @@
 //! sequences.
 
 use rayon::prelude::*;
-use sinew_pose_metrics::spatial::{MeasuredPose, Measuring, Metric, Workspace};
+use sinew_pose_metrics::spatial::{MeasuredPose, Metric, RigMeasure, Workspace};
 
 /// For every pose of some sequences the distance of the nearest pose of every other sequence.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,7 +21,7 @@ impl Nearest {
     /// A line that cannot be the shortest, because the way straight through space is not, is not walked: exact but
     /// for the rounding of f32 in which a straight line may look shorter than it is.
     pub fn new(
-        measuring: &Measuring<'_>,
+        measuring: &RigMeasure<'_>,
         poses: &[Vec<MeasuredPose>],
         done: impl Fn(usize) + Sync,
     ) -> Self {
@@ -63,7 +63,7 @@ impl Nearest {
 
 /// For every pose of either sequence the distance of the other's nearest.
 fn of_pair(
-    measuring: &Measuring<'_>,
+    measuring: &RigMeasure<'_>,
     a: &[MeasuredPose],
     b: &[MeasuredPose],
     workspace: &mut Workspace,
@@ -102,7 +102,7 @@ mod tests {
         let rig = SpatialRig::new(&classes.skeleton, None).unwrap();
         let mut workspace = Workspace::new();
         for measure in Measure::all() {
-            let measuring = Measuring::new(&rig, measure);
+            let measuring = RigMeasure::new(&rig, measure);
             let poses = classes.measured(&measuring).unwrap();
             let nearest = Nearest::new(&measuring, &poses, |_| ());
             for (a, of_a) in poses.iter().enumerate() {

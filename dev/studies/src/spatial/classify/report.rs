@@ -9,7 +9,7 @@ use super::super::classes::TwoClasses;
 use super::super::cost::Cost;
 use super::super::summary::Summary;
 use super::super::tables::{Difference, about, table};
-use super::{Leave, Outcome, Plan, Rates, Study, Tally};
+use super::{LeaveOut, Outcome, Plan, Rates, Study, Tally};
 use crate::recordings::Class;
 
 /// Why writing does not fail.
@@ -57,8 +57,8 @@ pub fn tables(plan: &Plan<'_>, study: &Study, costs: &[Cost]) -> String {
         each = plan.each,
     )
     .expect(WRITTEN);
-    for leave in Leave::ALL {
-        let other = if leave == Leave::Sequence { "sequence" } else { word };
+    for leave in LeaveOut::ALL {
+        let other = if leave == LeaveOut::Sequence { "sequence" } else { word };
         writeln!(text, "\nby the nearest pose of another {other}").expect(WRITTEN);
         writeln!(text, "{}", rates(plan, study, leave, costs)).expect(WRITTEN);
     }
@@ -76,10 +76,10 @@ pub fn tables(plan: &Plan<'_>, study: &Study, costs: &[Cost]) -> String {
     text
 }
 
-fn rates(plan: &Plan<'_>, study: &Study, leave: Leave, costs: &[Cost]) -> comfy_table::Table {
+fn rates(plan: &Plan<'_>, study: &Study, leave: LeaveOut, costs: &[Cost]) -> comfy_table::Table {
     let [first, second] = plan.classes.classes.map(Class::name);
     let mut header = vec!["measure", "poses", first, second, "sequences"];
-    if leave == Leave::Sequence {
+    if leave == LeaveOut::Sequence {
         header.push("paper");
         if !costs.is_empty() {
             header.extend(["ns a distance", "ns a pose"]);
@@ -98,7 +98,7 @@ fn rates(plan: &Plan<'_>, study: &Study, leave: Leave, costs: &[Cost]) -> comfy_
             shown(&|rates| rates.of_class[1]),
             shown(&|rates| rates.sequences),
         ];
-        if leave == Leave::Sequence {
+        if leave == LeaveOut::Sequence {
             row.push(
                 paper(plan.classes, *measure)
                     .map_or_else(String::new, |percent| format!("{percent:.0}")),
@@ -144,8 +144,8 @@ fn differences(plan: &Plan<'_>, study: &Study, base: Measure) -> comfy_table::Ta
     let header =
         ["measure", "not of", "by draw", "better : worse", "by sequence", "better : worse", "p"];
     let mut rows = Vec::new();
-    for leave in Leave::ALL {
-        let other = if leave == Leave::Sequence { "the sequence" } else { word };
+    for leave in LeaveOut::ALL {
+        let other = if leave == LeaveOut::Sequence { "the sequence" } else { word };
         for measure in plan.measures.iter().filter(|measure| **measure != base) {
             let (Some(own), Some(first)) = (study.of(*measure, leave), study.of(base, leave))
             else {
@@ -178,7 +178,7 @@ fn groups(plan: &Plan<'_>, study: &Study) -> comfy_table::Table {
         let of: Vec<_> = plan
             .measures
             .iter()
-            .filter_map(|measure| study.of(*measure, Leave::Group))
+            .filter_map(|measure| study.of(*measure, LeaveOut::Group))
             .map(|outcome| outcome.of_groups(plan.classes, index))
             .collect();
         for (place, group) in plan.classes.groups(index).into_iter().enumerate() {

@@ -7,9 +7,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 use serde::Serialize;
 use sinew_host_util::random::{Random, Subject};
-use sinew_pose_metrics::spatial::{
-    Distances, Measure, MeasuredPose, Measuring, SpatialRig, Workspace,
-};
+use sinew_pose_metrics::spatial::{Distances, Measure, MeasuredPose, RigMeasure, SpatialRig, Workspace};
 
 pub use report::{json, tables};
 pub(crate) use report::{over_pairs, paper};
@@ -143,7 +141,7 @@ pub fn run(plan: &Plan<'_>, progress: &(dyn Fn(usize) + Sync)) -> Result<Study, 
     let pairs: Vec<_> = drawn.into_iter().filter(|(_, pairs)| !pairs.is_empty()).collect();
     let mut outcomes = Vec::new();
     for measure in &plan.measures {
-        let measuring = Measuring::new(plan.rig, *measure);
+        let measuring = RigMeasure::new(plan.rig, *measure);
         let poses = plan.classes.measured(&measuring)?;
         for (pairing, pairs) in &pairs {
             let found = |pair: &Pair| {
@@ -196,7 +194,7 @@ fn draw(plan: &Plan<'_>, pairing: Pairing) -> Vec<Pair> {
 
 /// Two clusters of the poses of a pair.
 fn cluster(
-    measuring: &Measuring<'_>,
+    measuring: &RigMeasure<'_>,
     poses: &[Vec<MeasuredPose>],
     pair: &Pair,
 ) -> Option<Clustering> {

@@ -11,9 +11,7 @@ use std::iter;
 use rayon::prelude::*;
 use sinew_core::pose_space::PoseSpaceError;
 use sinew_mocap::Skeleton;
-use sinew_pose_metrics::spatial::{
-    Distances, Measure, Measuring, Metric, SpatialError, SpatialRig, Weighting, Workspace,
-};
+use sinew_pose_metrics::spatial::{Distances, Measure, Metric, RigMeasure, SpatialError, SpatialRig, Weighting, Workspace};
 
 use super::isomap::along_neighbours;
 use super::mds::{Embedding, classical, spectrum};
@@ -44,12 +42,12 @@ pub struct Study {
     /// Number of the first walk's frames.
     pub first_frames: usize,
     /// Every recording.
-    pub recordings: Vec<OfRecording>,
+    pub recordings: Vec<RecordingResult>,
 }
 
 /// One recording.
 #[derive(Debug, Clone, PartialEq)]
-pub struct OfRecording {
+pub struct RecordingResult {
     /// Its file.
     pub file: String,
     /// Where it is from.
@@ -161,7 +159,7 @@ pub fn run(plan: &Plan<'_>, done: &(dyn Fn(usize) + Sync)) -> Result<Study, Erro
             done(1);
             Ok(Components::of(&distances, plan.neighbours))
         });
-        Ok(OfRecording {
+        Ok(RecordingResult {
             file: sequence.file.clone(),
             data_set: sequence.data_set,
             kind: sequence.kind.clone(),
@@ -176,7 +174,7 @@ pub fn run(plan: &Plan<'_>, done: &(dyn Fn(usize) + Sync)) -> Result<Study, Erro
 
 /// Recordings that are alike in how they were made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub enum RecordingGroup {
     /// CMU's, on the skeletons of 31 joints that they were recorded on.
     Cmu31,
     /// CMU's, carried over to other skeletons.
@@ -187,7 +185,7 @@ pub enum Part {
     BuiltIn,
 }
 
-impl Part {
+impl RecordingGroup {
     /// All, in the order in which they are shown.
     pub const ALL: [Self; 4] = [Self::Cmu31, Self::CmuOthers, Self::Bandai, Self::BuiltIn];
 
@@ -202,14 +200,14 @@ impl Part {
     }
 }
 
-impl OfRecording {
+impl RecordingResult {
     /// Which part it is of.
-    pub fn part(&self) -> Part {
+    pub fn part(&self) -> RecordingGroup {
         match self.data_set {
-            DataSet::Cmu if CMU_KINDS.contains(&self.kind.as_str()) => Part::Cmu31,
-            DataSet::Cmu => Part::CmuOthers,
-            DataSet::Bandai => Part::Bandai,
-            DataSet::BuiltIn => Part::BuiltIn,
+            DataSet::Cmu if CMU_KINDS.contains(&self.kind.as_str()) => RecordingGroup::Cmu31,
+            DataSet::Cmu => RecordingGroup::CmuOthers,
+            DataSet::Bandai => RecordingGroup::Bandai,
+            DataSet::BuiltIn => RecordingGroup::BuiltIn,
         }
     }
 
@@ -223,7 +221,7 @@ impl OfRecording {
 impl Study {
     /// A figure of recordings under one measure; where all poses are the same there is none.
     pub fn figures<'a>(
-        recordings: impl IntoIterator<Item = &'a OfRecording>,
+        recordings: impl IntoIterator<Item = &'a RecordingResult>,
         metric: Metric,
         weighting: Weighting,
         of: Figure,
@@ -264,7 +262,7 @@ fn distances(
     poses: &[&Pose],
     file: &str,
 ) -> Result<Distances, Error> {
-    let measuring = Measuring::new(rig, measure);
+    let measuring = RigMeasure::new(rig, measure);
     let failed = |source| Error::Pose { file: file.to_owned(), source };
     let measured = poses.iter().map(|pose| measuring.pose(pose));
     let measured: Vec<_> = measured.collect::<Result<_, _>>().map_err(failed)?;

@@ -6,7 +6,7 @@ use comfy_table::Table;
 use serde_json::{Value, json};
 use sinew_pose_metrics::spatial::{Metric, Weighting};
 
-use super::{Figure, OfRecording, Part, Plan, Study, mode_of_paper};
+use super::{Figure, Plan, RecordingGroup, RecordingResult, Study, mode_of_paper};
 use crate::recordings::{Class, Sequence};
 use crate::spatial::mann_whitney;
 use crate::spatial::sample::Sample;
@@ -108,16 +108,16 @@ fn measures(study: &Study) -> Table {
 }
 
 /// Kinds of recordings, with their names.
-fn kinds(study: &Study) -> Vec<(String, Vec<&OfRecording>)> {
-    let mut kinds: Vec<(String, Vec<&OfRecording>)> = Vec::new();
-    let mut add = |name: &str, is: &dyn Fn(&OfRecording) -> bool| {
-        let own: Vec<&OfRecording> = study.recordings.iter().filter(|one| is(one)).collect();
+fn kinds(study: &Study) -> Vec<(String, Vec<&RecordingResult>)> {
+    let mut kinds: Vec<(String, Vec<&RecordingResult>)> = Vec::new();
+    let mut add = |name: &str, is: &dyn Fn(&RecordingResult) -> bool| {
+        let own: Vec<&RecordingResult> = study.recordings.iter().filter(|one| is(one)).collect();
         if !own.is_empty() {
             kinds.push((name.to_owned(), own));
         }
     };
     add("all", &|_| true);
-    for part in Part::ALL {
+    for part in RecordingGroup::ALL {
         add(part.name(), &|one| one.part() == part);
         for (class, name) in [
             (Class::Walk, "walking"),
@@ -209,7 +209,7 @@ pub fn json(plan: &Plan<'_>, study: &Study) -> Value {
             })
         })
         .collect();
-    let recording = |one: &OfRecording| {
+    let recording = |one: &RecordingResult| {
         let components: serde_json::Map<String, Value> = plan
             .measures()
             .zip(&one.components)

@@ -21,7 +21,7 @@ pub use line::Line;
 pub use report::{json, tables};
 
 /// The lowest r of their 100 pairs.
-pub const LOWEST_OF_PAPER: f64 = 0.94;
+pub const PAPER_LOWEST_RATIO: f64 = 0.94;
 
 /// What is tried.
 #[derive(Debug, Clone, Copy)]

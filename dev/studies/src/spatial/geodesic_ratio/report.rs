@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use comfy_table::Table;
 use serde_json::{Value, json};
 
-use super::{LOWEST_OF_PAPER, Outcome, Pair, Plan};
+use super::{Outcome, PAPER_LOWEST_RATIO, Pair, Plan};
 use crate::spatial::sample::Sample;
 use crate::tables::{aligned, table};
 
@@ -54,7 +54,7 @@ fn conditions(outcomes: &[Outcome]) -> Table {
         "iterations",
         "converged",
     ]);
-    let paper = ["the paper: walking".to_owned(), format!("{LOWEST_OF_PAPER:.2}")];
+    let paper = ["the paper: walking".to_owned(), format!("{PAPER_LOWEST_RATIO:.2}")];
     table.add_row(paper.into_iter().chain(std::iter::repeat_n(String::new(), 9)));
     for Outcome { condition, pairs } in outcomes {
         let ratios = ratios(pairs);
@@ -130,7 +130,7 @@ pub fn json(plan: &Plan<'_>, outcomes: &[Outcome]) -> Value {
         "schema": "sinew-study-geodesic-ratio/1",
         "seed": plan.seed,
         "root": plan.root,
-        "paper": { "lowest": LOWEST_OF_PAPER },
+        "paper": { "lowest": PAPER_LOWEST_RATIO },
         "conditions": outcomes.iter().map(outcome).collect::<Vec<_>>(),
     })
 }

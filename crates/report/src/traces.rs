@@ -1,4 +1,4 @@
-//! Courses over time, thinned and packed for a page's script: see `assets/courses.js`.
+//! Traces over time, thinned and packed for a page's script: see `assets/traces.js`.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -11,12 +11,12 @@ pub(super) const MOST: usize = 1_500_000;
 /// What is not known, in steps.
 const UNKNOWN: i16 = i16::MIN;
 
-/// A course over time, quantised to 16 bits. Its value is `middle + unit · n`.
+/// A trace over time, quantised to 16 bits. Its value is `middle + unit · n`.
 #[derive(Debug, Serialize)]
 pub(super) struct Channel {
     middle: f64,
     unit: f64,
-    /// Little-endian, base64; empty if the course stays at its middle.
+    /// Little-endian, base64; empty if the trace stays at its middle.
     data: String,
 }
 
@@ -30,7 +30,7 @@ pub(super) fn spacing(looks: usize, look_hz: f64, width: usize, most: usize) -> 
     (looks.min((rows - 1) * every), every)
 }
 
-/// Packs a course; a number that is not finite is not known.
+/// Packs a trace; a number that is not finite is not known.
 pub(super) fn pack(course: &[f64]) -> Channel {
     let known = || course.iter().copied().filter(|x| x.is_finite());
     let least = known().fold(f64::INFINITY, f64::min);
