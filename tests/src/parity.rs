@@ -9,7 +9,7 @@ use std::process::Command;
 
 use sinew_bit_parity::run::{NUMBERS, QUANTITIES, TICK_BYTES, pose_bytes, tick_bytes};
 use sinew_bit_parity::{PLAY, RUN, answer};
-use sinew_evaluation::{CAPACITY, MethodName, Protocol, track};
+use sinew_evaluation::{CAPACITY, MethodName, Protocol};
 use sinew_figure::{BODIES, BODY_COUNT, FigureMotion};
 
 use crate::figure::{COORDINATES, DOFS, FigureShow, rig};
@@ -38,15 +38,17 @@ impl Run {
         let setup = Protocol::default().setup_of(scale, method);
         let model = setup.model(motion).unwrap();
         let (mut measured, mut evaluation) = (Vec::new(), Vec::new());
-        let ticks = track(motion, &setup, None, 0, |step| {
-            if measured.is_empty() {
-                measured.extend_from_slice(step.readings[0]);
-            }
-            measured.extend_from_slice(step.readings[1]);
-            let mut answer = [[0; TICK_BYTES]; CAPACITY];
-            evaluation.extend_from_slice(tick_bytes(step.tracker, &mut answer));
-        })
-        .unwrap();
+        let run = sinew_evaluation::Run::new(motion, &setup, None, 0).unwrap();
+        let ticks = run
+            .track(|step| {
+                if measured.is_empty() {
+                    measured.extend_from_slice(step.readings[0]);
+                }
+                measured.extend_from_slice(step.readings[1]);
+                let mut answer = [[0; TICK_BYTES]; CAPACITY];
+                evaluation.extend_from_slice(tick_bytes(step.tracker, &mut answer));
+            })
+            .unwrap();
 
         let (rig, frames) = (rig(&model.mechanism(setup.root)), motion.rotation.len());
         let mut bytes = Vec::new();

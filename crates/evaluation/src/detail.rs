@@ -1,7 +1,7 @@
 //! More of a run than its means: by body, by size and over time, in memory that does not grow with the clip.
 
 use super::metrics::ErrorTotals;
-use super::off::Off;
+use super::pose_error::PoseError;
 
 /// The errors of one run, by body, by size and over time.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -9,7 +9,7 @@ pub struct Detail {
     /// By body and by size; may be merged over clips.
     pub spread: Spread,
     /// Over the time of the clip.
-    pub course: ErrorTrace,
+    pub trace: ErrorTrace,
 }
 
 /// How errors spread over the bodies and over their sizes.
@@ -42,16 +42,16 @@ pub struct ErrorTrace {
 
 impl Detail {
     /// Adds one step: how far each body is off.
-    pub fn add(&mut self, off: &[Off]) {
+    pub fn add(&mut self, errors: &[PoseError]) {
         let mut step = ErrorTotals::default();
-        self.spread.hold(off.len());
-        for (off, body) in off.iter().zip(&mut self.spread.bodies) {
-            body.add(off);
-            step.add(off);
-            self.spread.angular_deg.add(off.angular_rad.to_degrees());
-            self.spread.linear_cm.add(off.linear_m * 100.0);
+        self.spread.hold(errors.len());
+        for (error, body) in errors.iter().zip(&mut self.spread.bodies) {
+            body.add(error);
+            step.add(error);
+            self.spread.angular_deg.add(error.angular_rad.to_degrees());
+            self.spread.linear_cm.add(error.linear_m * 100.0);
         }
-        self.course.add(&step);
+        self.trace.add(&step);
     }
 }
 
@@ -187,9 +187,9 @@ mod tests {
     fn drifting(steps: u32) -> Detail {
         let mut detail = Detail::default();
         for step in 0..steps {
-            let mut off = [Off { angular_rad: 0.0, linear_m: 0.0 }; BODY_COUNT];
+            let mut off = [PoseError { angular_rad: 0.0, linear_m: 0.0 }; BODY_COUNT];
             let grown = f64::from(step) * 1e-3;
-            off[7] = Off { angular_rad: grown, linear_m: grown };
+            off[7] = PoseError { angular_rad: grown, linear_m: grown };
             detail.add(&off);
         }
         detail
@@ -210,13 +210,13 @@ mod tests {
     #[test]
     fn stretches_are_joined_and_lose_nothing() {
         for steps in [1, 599, 600, 601, 1200, 1201, 5000] {
-            let course = drifting(steps).course;
-            let each = course.steps_each();
-            assert!(course.stretches().len() <= ErrorTrace::CAPACITY);
-            assert!(each == 1 || course.stretches().len() > ErrorTrace::CAPACITY / 2);
-            let (last, full) = course.stretches().split_last().unwrap();
+            let trace = drifting(steps).trace;
+            let each = trace.steps_each();
+            assert!(trace.stretches().len() <= ErrorTrace::CAPACITY);
+            assert!(each == 1 || trace.stretches().len() > ErrorTrace::CAPACITY / 2);
+            let (last, full) = trace.stretches().split_last().unwrap();
             let mut counted = 0;
-            for (index, stretch) in course.stretches().iter().enumerate() {
+            for (index, stretch) in trace.stretches().iter().enumerate() {
                 counted += stretch.n;
                 // The largest error of a stretch is that of its last step.
                 let until = ((index + 1) * each).min(steps as usize);

@@ -1,23 +1,14 @@
 //! What the controller does not know of its rig: wrong masses, noisy sensors, weak and late drives.
 
-use std::collections::VecDeque;
-use std::f32::consts::TAU;
-
-use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use sinew_core::control::TorqueLimit;
-use sinew_core::glam::{Quat, Vec3};
-use sinew_core::{Transform, Wrench, math};
-use sinew_figure::plant::Pose;
 use sinew_host_util::random::{Random, Subject};
 use sinew_rig::mechanism::{JointModel, Link, Mechanism};
 
+use super::capacity::MAX_LATENCY_STEPS;
 use super::controller::narrow;
 
-/// The most steps that a torque can come late.
-pub const LATENCY_MOST: usize = 100;
-
-/// What the controller does not know of its rig. The default is nothing.
+/// Disturbances that the controller does not know. The default is none.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Disturbance {
@@ -56,8 +47,8 @@ impl Default for Disturbance {
 }
 
 impl Disturbance {
-    /// What cannot be, as (key, what is expected, value).
-    pub(super) fn fault(&self) -> Option<(&'static str, &'static str, f64)> {
+    /// Finds the first invalid value: its key, what is expected, and the value.
+    pub(super) fn find_fault(&self) -> Option<(&'static str, &'static str, f64)> {
         // A range has no NaN.
         if !(0.0..1.0).contains(&self.masses) {
             return Some(("masses", "a fraction from 0 to below 1", self.masses));
@@ -83,14 +74,14 @@ impl Disturbance {
                 return Some((key, "a torque above 0 N m in f32 (inf for none)", limit_nm));
             }
         }
-        if self.latency_steps > LATENCY_MOST {
+        if self.latency_steps > MAX_LATENCY_STEPS {
             return Some(("latency_steps", "0 to 100 steps", self.latency_steps as f64));
         }
         None
     }
 
-    /// The rig as it was built: the same for every motion of a seed.
-    pub(super) fn built(&self, mechanism: &Mechanism) -> Mechanism {
+    /// Varies a rig as it was built: alike for every motion of a seed.
+    pub(super) fn build(&self, mechanism: &Mechanism) -> Mechanism {
         let mut random = Random::new(self.seed, Subject::Masses);
         let mut built = mechanism.clone();
         for link in &mut built.bodies {
@@ -115,121 +106,6 @@ impl Disturbance {
             limit.expect("checked to be above 0")
         };
         links.iter().map(of_link).collect()
-    }
-}
-
-/// The sensors of a run.
-pub(super) struct Sensors {
-    noise_rad: f64,
-    noise_m: f64,
-    /// What the sensors' steps are multiples of; none if they have no steps.
-    step_rad: Option<f32>,
-    random: Random,
-}
-
-impl Sensors {
-    /// `stream` tells the clips apart: every method meets the same noise on the same clip.
-    pub(super) fn new(disturbance: &Disturbance, stream: u64) -> Self {
-        // Powers of two: exact.
-        let steps = (1_u32 << disturbance.sensor_bits) as f32;
-        Self {
-            noise_rad: disturbance.sensor_noise_rad,
-            noise_m: disturbance.sensor_noise_m,
-            step_rad: (disturbance.sensor_bits > 0).then(|| TAU / steps),
-            random: Random::numbered(disturbance.seed, stream, Subject::Noise),
-        }
-    }
-
-    /// What the sensors tell, in place of the joints' true poses.
-    ///
-    /// A ball joint and the root have sensors about three axes; an axis or a slide has one of its own.
-    pub(super) fn read(&mut self, links: &[Link], joints: &mut [Transform]) {
-        if self.noise_rad > 0.0 {
-            for (link, joint) in links.iter().zip(&mut *joints) {
-                let turn =
-                    turn_of_joint(link, joint, (self.random.normal3() * self.noise_rad).as_vec3());
-                joint.rotation = (joint.rotation * math::exp(turn)).normalize();
-            }
-        }
-        if self.noise_m > 0.0 {
-            for (link, joint) in links.iter().zip(&mut *joints) {
-                let way_m = match (link.parent, link.joint) {
-                    (None, _) => (self.random.normal3() * self.noise_m).as_vec3(),
-                    (_, JointModel::Prismatic(axis)) => {
-                        let noise_m = self.random.normal3().x * self.noise_m;
-                        (link.rotation * axis * noise_m).as_vec3()
-                    }
-                    _ => continue,
-                };
-                joint.translation_m += way_m;
-            }
-        }
-        if let Some(step_rad) = self.step_rad {
-            for (link, joint) in links.iter().zip(joints) {
-                joint.rotation = in_steps(link, joint.rotation, step_rad);
-            }
-        }
-    }
-}
-
-/// What of a turn in body axes the sensors of a joint can tell.
-fn turn_of_joint(link: &Link, joint: &Transform, turn: Vec3) -> Vec3 {
-    let along = |axis: Vec3| axis * axis.dot(turn);
-    match (link.parent, link.joint) {
-        (None, _) | (_, JointModel::Spherical | JointModel::Free) => turn,
-        (_, JointModel::Fixed | JointModel::Prismatic(_)) => Vec3::ZERO,
-        (_, JointModel::Revolute(axis)) => along(axis.as_vec3()),
-        (_, JointModel::Universal([first, second])) => {
-            let first = joint.rotation.conjugate() * (link.rotation * first).as_vec3();
-            along(first) + along(second.as_vec3())
-        }
-    }
-}
-
-/// A rotation of a joint in its parent's frame as sensors with steps tell it.
-fn in_steps(link: &Link, rotation: Quat, step_rad: f32) -> Quat {
-    match (link.parent, link.joint) {
-        (None, _) | (_, JointModel::Spherical | JointModel::Free) => {
-            let steps = (math::log(rotation) / step_rad).map(f32::round_ties_even);
-            math::exp(steps * step_rad)
-        }
-        (_, JointModel::Fixed | JointModel::Prismatic(_)) => rotation,
-        (_, JointModel::Revolute(_) | JointModel::Universal(_)) => {
-            let step_rad = f64::from(step_rad);
-            let in_joint = link.rotation.conjugate() * rotation.as_dquat();
-            let in_joint = Pose { rotation: in_joint, position_m: DVec3::ZERO };
-            let angles_rad = link
-                .joint
-                .along(&in_joint)
-                .map(|angle_rad| (angle_rad / step_rad).round_ties_even() * step_rad);
-            (link.rotation * link.joint.motion(&angles_rad).rotation).as_quat().normalize()
-        }
-    }
-}
-
-/// The way of the torques to the drives: a queue of as many steps as they come late. They are in body axes: that is
-/// where a motor keeps them while its body turns.
-pub(super) struct DelayLine {
-    steps: usize,
-    waiting: VecDeque<Vec<Wrench>>,
-}
-
-impl DelayLine {
-    pub(super) fn new(steps: usize) -> Self {
-        Self { steps, waiting: VecDeque::with_capacity(steps + 1) }
-    }
-
-    /// Sends off what is wanted now; returns what arrives now.
-    pub(super) fn pass(&mut self, wanted: impl Iterator<Item = Wrench>) -> &[Wrench] {
-        let mut slot = if self.waiting.len() > self.steps {
-            self.waiting.pop_front().unwrap_or_default()
-        } else {
-            Vec::new()
-        };
-        slot.clear();
-        slot.extend(wanted);
-        self.waiting.push_back(slot);
-        &self.waiting[0]
     }
 }
 
@@ -261,22 +137,7 @@ mod tests {
             let refused = refused(tiny(none));
             assert!(refused.contains("disturbance.torque_limit_nm"), "{refused}");
         }
-        assert_eq!(tiny(1e-30).fault(), None);
+        assert_eq!(tiny(1e-30).find_fault(), None);
         let _ = tiny(1e-30).torque_limits(&fixture::mechanism().bodies);
-    }
-
-    #[test]
-    fn torques_arrive_late_and_the_first_is_held() {
-        let arrivals = |steps: usize| {
-            let mut line = DelayLine::new(steps);
-            [1_u8, 2, 3, 4, 5].map(|n| {
-                let wrench = Wrench::new(Vec3::X * f32::from(n), Vec3::ZERO);
-                line.pass([wrench].into_iter())[0].moment_nm.x.to_bits()
-            })
-        };
-        let bits = |numbers: [u8; 5]| numbers.map(|n| f32::from(n).to_bits());
-        assert_eq!(arrivals(0), bits([1, 2, 3, 4, 5]));
-        assert_eq!(arrivals(1), bits([1, 1, 2, 3, 4]));
-        assert_eq!(arrivals(3), bits([1, 1, 1, 1, 2]));
     }
 }

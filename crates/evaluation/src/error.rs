@@ -1,14 +1,50 @@
-//! Why an evaluation has no result.
+//! The errors of setups, runs and evaluations.
 
 use sinew_core::importance::{ImportanceError, RestPoseError};
 use sinew_core::supply::SupplyError;
-use sinew_core::tracker::{StepError, TrackerError};
+use sinew_core::tracker::{MethodName, SettingError, StepError, TrackerError};
 use sinew_core::{ControllerError, TreeError};
 use sinew_figure::BodyModelError;
 use sinew_figure::plant::PlantError;
 use thiserror::Error;
 
-use super::{MethodName, SetupError};
+/// An invalid setup.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum SetupError {
+    /// Not the TOML of a setup.
+    #[error("{0}")]
+    Toml(String),
+    /// A subject for a body that needs none.
+    #[error("subject: expected with body = \"hanavan_kwon\" only")]
+    SubjectWithoutBody,
+    /// A setting of the figure that is made from a clip.
+    #[error("{key}: expected to be left out, since the rig has its own")]
+    OfTheFigure {
+        /// The key.
+        key: &'static str,
+    },
+    /// The reference is no body of the rig.
+    #[error("controller.reference: expected a body of the rig ({names}), found `{found}`")]
+    NoSuchBody {
+        /// The bodies there are.
+        names: String,
+        /// What was named.
+        found: String,
+    },
+    /// A setting of the controller.
+    #[error("controller.{0}")]
+    Controller(#[from] SettingError),
+    /// A value out of its range.
+    #[error("{key}: expected {expected}, found {value}")]
+    Value {
+        /// The key, dotted.
+        key: String,
+        /// What it may be.
+        expected: &'static str,
+        /// What it is.
+        value: f64,
+    },
+}
 
 /// Why an evaluation has no result.
 #[derive(Debug, Clone, PartialEq, Error)]

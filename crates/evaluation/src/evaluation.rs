@@ -7,13 +7,12 @@ use sinew_figure::Dimensions;
 use sinew_rig::mechanism::JointModel;
 
 use super::detail::Detail;
-use super::error::{EvaluateError, RunError};
+use super::error::EvaluateError;
 use super::likeness::Likeness;
 use super::metrics::Errors;
-use super::rig::Rig;
+use super::motion::{EvaluatedMotion, count_steps};
+use super::run::Run;
 use super::setup::Setup;
-use super::take::Take;
-use super::track::{self, track};
 
 /// What to evaluate.
 #[derive(Debug, Clone, PartialEq)]
@@ -129,9 +128,9 @@ impl Protocol {
     }
 }
 
-/// Steps that a whole evaluation takes, for a progress bar.
-pub fn steps_of_all(takes: &[impl Take], protocol: &Protocol) -> usize {
-    let frames: usize = takes.iter().map(|take| track::step_count(take, protocol.seconds)).sum();
+/// Steps that a whole evaluation motions, for a progress bar.
+pub fn count_all_steps(motions: &[impl EvaluatedMotion], protocol: &Protocol) -> usize {
+    let frames: usize = motions.iter().map(|motion| count_steps(motion, protocol.seconds)).sum();
     frames * protocol.scales.len() * protocol.methods.len()
 }
 
@@ -141,12 +140,12 @@ pub fn steps_of_all(takes: &[impl Take], protocol: &Protocol) -> usize {
 /// # Errors
 /// The first [`EvaluateError`] in the order of scales, methods and clips. A run that diverges is an error,
 /// never part of a mean.
-pub fn evaluate<T: Take>(
-    takes: &[T],
+pub fn evaluate<T: EvaluatedMotion>(
+    motions: &[T],
     protocol: &Protocol,
     progress: impl Fn(usize) + Sync,
 ) -> Result<Evaluation, EvaluateError> {
-    if takes.is_empty() {
+    if motions.is_empty() {
         return Err(EvaluateError::NoClips);
     }
     for scale in &protocol.scales {
@@ -157,41 +156,44 @@ pub fn evaluate<T: Take>(
     let mut runs = Vec::new();
     for scale in &protocol.scales {
         for method in &protocol.methods {
-            for (stream, take) in (0..).zip(takes) {
-                runs.push((*scale, *method, take, stream));
+            for (stream, motion) in (0..).zip(motions) {
+                runs.push((*scale, *method, motion, stream));
             }
         }
     }
     // Each run keeps its own sums, and they are added in the order of the clips: same bits every time.
-    let results: Vec<Result<Run, EvaluateError>> = runs
+    let results: Vec<Result<RunResult, EvaluateError>> = runs
         .par_iter()
-        .map(|(scale, method, take, stream)| {
+        .map(|(scale, method, motion, stream)| {
             let setup = protocol.setup_of(*scale, *method);
-            let mut run = Run::default();
-            let steps = track(*take, &setup, protocol.seconds, *stream, |step| {
-                run.errors.add_step(&step);
-                run.detail.add(&step.off[step.rig.first_judged()..]);
-                let Likeness { retargeting, total } = &mut run.likeness;
-                for (poses, angles) in [(step.desired, retargeting), (step.measured, total)] {
-                    take.limb_errors_deg(step.frame, poses, &mut |angle| angles.take(angle));
-                }
-            })
-            .map_err(|kind| EvaluateError::Run {
-                clip: take.name().to_owned(),
+            let mut result = RunResult::default();
+            let run = Run::new(*motion, &setup, protocol.seconds, *stream);
+            let steps = run.and_then(|run| {
+                run.track(|step| {
+                    result.errors.add_step(&step);
+                    result.detail.add(&step.errors[step.rig.first_judged()..]);
+                    let Likeness { retargeting, total } = &mut result.likeness;
+                    for (poses, angles) in [(step.desired, retargeting), (step.measured, total)] {
+                        motion.limb_errors_deg(step.frame, poses, &mut |angle| angles.add(angle));
+                    }
+                })
+            });
+            let steps = steps.map_err(|kind| EvaluateError::Run {
+                clip: motion.name().to_owned(),
                 scale: *scale,
                 method: *method,
                 kind,
             })?;
             progress(steps);
-            Ok(run)
+            Ok(result)
         })
         .collect();
 
-    let clips = takes
+    let clips = motions
         .iter()
-        .map(|take| ClipLength {
-            name: take.name().to_owned(),
-            frames: track::step_count(take, protocol.seconds),
+        .map(|motion| ClipLength {
+            name: motion.name().to_owned(),
+            frames: count_steps(motion, protocol.seconds),
         })
         .collect();
     let mut results = results.into_iter();
@@ -199,7 +201,7 @@ pub fn evaluate<T: Take>(
     for scale in &protocol.scales {
         let mut methods = Vec::with_capacity(protocol.methods.len());
         for method in &protocol.methods {
-            let runs = results.by_ref().take(takes.len()).collect::<Result<Vec<_>, _>>()?;
+            let runs = results.by_ref().take(motions.len()).collect::<Result<Vec<_>, _>>()?;
             let mut result = MethodResult {
                 method: *method,
                 total: Errors::default(),
@@ -207,7 +209,7 @@ pub fn evaluate<T: Take>(
                 details: Vec::with_capacity(runs.len()),
                 likeness: Vec::with_capacity(runs.len()),
             };
-            for Run { errors, detail, likeness } in runs {
+            for RunResult { errors, detail, likeness } in runs {
                 result.total.merge(&errors);
                 result.clips.push(errors);
                 result.details.push(detail);
@@ -217,34 +219,19 @@ pub fn evaluate<T: Take>(
         }
         figures.push(FigureResult { scale: *scale, methods });
     }
-    let rig = takes.iter().find_map(|take| take.rig_name().map(str::to_owned));
+    let rig = motions.iter().find_map(|motion| motion.rig_name().map(str::to_owned));
     // It has been made in every run.
-    let made = takes.first().and_then(|take| Rig::of(take, &protocol.setup).ok());
+    let made = motions.first().and_then(|motion| motion.rig(&protocol.setup).ok());
     let links = made.as_ref().map_or(&[][..], |rig| &rig.links()[rig.first_judged()..]);
     let bodies = links.iter().map(|link| link.name.clone()).collect();
     let driven = made.is_some_and(|rig| rig.links()[0].joint == JointModel::Free);
     Ok(Evaluation { rig, bodies, driven, setup: protocol.setup.clone(), clips, figures })
 }
 
-/// One motion, tracked by one rig with one method.
+/// The results of one run.
 #[derive(Debug, Default)]
-struct Run {
+struct RunResult {
     errors: Errors,
     detail: Detail,
     likeness: Likeness,
-}
-
-/// Errors of one run, and its number of steps.
-///
-/// # Errors
-/// [`RunError`].
-pub fn run(
-    take: &dyn Take,
-    setup: &Setup,
-    seconds: Option<f64>,
-    stream: u64,
-) -> Result<(Errors, usize), RunError> {
-    let mut errors = Errors::default();
-    let steps = track(take, setup, seconds, stream, |step| errors.add_step(&step))?;
-    Ok((errors, steps))
 }

@@ -19,8 +19,8 @@ pub(super) struct FrictionFeed {
 }
 
 impl FrictionFeed {
-    /// That of a rig; `None` if no joint has friction.
-    pub(super) fn of(links: &[Link], torque_limit_nm: f64) -> Option<Self> {
+    /// Makes the drives of a rig; `None` if no joint has friction.
+    pub(super) fn new(links: &[Link], torque_limit_nm: f64) -> Option<Self> {
         let joint = |link: &Link| {
             // What is finite in f64 stays so.
             let [coulomb, viscous] =
@@ -45,9 +45,9 @@ impl FrictionFeed {
         frame: usize,
         wrenches: &mut [Wrench],
     ) -> usize {
-        let Performance { take, setup, links } = *performance;
-        take.joint_poses(setup, frame, &mut self.now);
-        take.joint_poses(setup, frame + 1, &mut self.next);
+        let Performance { motion, setup, links } = *performance;
+        motion.joint_poses(setup, frame, &mut self.now);
+        motion.joint_poses(setup, frame + 1, &mut self.next);
         let poses = self.now.iter().zip(&self.next);
         let mut limited = 0;
         let joints = links.iter().zip(&self.joints).zip(poses).zip(wrenches);
@@ -57,7 +57,7 @@ impl FrictionFeed {
             }
             let moved = now.inside(next);
             let [spin_rad_s, slide_m_s] =
-                [rotation_vector(moved.rotation), moved.position_m].map(|way| way / take.dt_s());
+                [rotation_vector(moved.rotation), moved.position_m].map(|way| way / motion.dt_s());
             let placement = Pose { rotation: link.rotation, position_m: link.position_m };
             let (turns, slides) = link.joint.axes(&link.joint.along(&placement.inside(now)));
             let takes = |axes: &[DVec3], speed: DVec3| -> Vec3 {

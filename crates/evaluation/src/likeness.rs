@@ -10,14 +10,14 @@ pub struct Angles {
 }
 
 impl Angles {
-    /// Takes one more, deg.
-    pub fn take(&mut self, angle_deg: f64) {
+    /// Adds one more, deg.
+    pub fn add(&mut self, angle_deg: f64) {
         self.sum_deg += angle_deg;
         self.count += 1;
         self.largest_deg = self.largest_deg.max(angle_deg);
     }
 
-    /// Takes those of another.
+    /// Adds those of another.
     pub fn merge(&mut self, other: &Self) {
         self.sum_deg += other.sum_deg;
         self.count += other.count;
@@ -45,7 +45,7 @@ pub struct Likeness {
 }
 
 impl Likeness {
-    /// Takes those of another.
+    /// Adds those of another.
     pub fn merge(&mut self, other: &Self) {
         self.retargeting.merge(&other.retargeting);
         self.total.merge(&other.total);

@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 use sinew_figure::plant::Pose;
 
-use super::off::Off;
-use super::{Rig, Step};
+use super::pose_error::PoseError;
+use super::rig::Rig;
+use super::step::Step;
 
 /// Errors over all bodies and over the leaves (of the figure: head, hands, feet) alone.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -13,7 +14,7 @@ pub struct Errors {
     pub all: ErrorTotals,
     /// Over the leaves.
     pub leaf: ErrorTotals,
-    /// Of whole poses, every joint by what it moves: see [`Levers`](super::Levers).
+    /// Of whole poses, every joint by what it moves: see [`ImportanceWeights`](super::ImportanceWeights).
     pub weighted: WeightedTotals,
     /// The widest gap at a joint, in metres: what the plant's constraints let through.
     pub widest_gap_m: f64,
@@ -44,24 +45,24 @@ pub struct WeightedTotals {
 impl Errors {
     /// Adds one step: the poses of all bodies where they should be and where they are.
     pub fn add(&mut self, desired: &[Pose], measured: &[Pose], rig: &Rig) {
-        let off: Vec<Off> = Off::of_all(desired, measured).collect();
-        self.add_off(&off, rig.levers().error_m(desired, measured), rig);
+        let errors: Vec<PoseError> = PoseError::between(desired, measured).collect();
+        self.add_errors(&errors, rig.importance_weights().error_m(desired, measured), rig);
     }
 
-    fn add_off(&mut self, off: &[Off], weighted_m: f64, rig: &Rig) {
+    fn add_errors(&mut self, errors: &[PoseError], weighted_m: f64, rig: &Rig) {
         self.weighted.add(weighted_m);
-        for (body, off) in off.iter().enumerate().skip(rig.first_judged()) {
-            self.all.add(off);
+        for (body, error) in errors.iter().enumerate().skip(rig.first_judged()) {
+            self.all.add(error);
             if rig.is_leaf(body) {
-                self.leaf.add(off);
+                self.leaf.add(error);
             }
         }
     }
 
     /// Adds one step of a run.
     pub fn add_step(&mut self, step: &Step<'_>) {
-        let weighted_m = step.rig.levers().error_m(step.desired, step.measured);
-        self.add_off(step.off, weighted_m, step.rig);
+        let weighted_m = step.rig.importance_weights().error_m(step.desired, step.measured);
+        self.add_errors(step.errors, weighted_m, step.rig);
         self.widest_gap_m = self.widest_gap_m.max(step.widest_gap_m());
         self.limited += step.limited as u64;
     }
@@ -77,8 +78,8 @@ impl Errors {
 }
 
 impl ErrorTotals {
-    pub(super) fn add(&mut self, off: &Off) {
-        let Off { angular_rad, linear_m } = *off;
+    pub(super) fn add(&mut self, error: &PoseError) {
+        let PoseError { angular_rad, linear_m } = *error;
         self.n += 1;
         self.angular_sum_rad += angular_rad;
         self.linear_sum_m += linear_m;
@@ -155,7 +156,7 @@ mod tests {
     use glam::{DQuat, DVec3};
 
     use super::*;
-    use crate::Levers;
+    use crate::ImportanceWeights;
     use sinew_figure::fixture;
 
     fn pose(rotation_vector: DVec3, position_m: DVec3) -> Pose {
@@ -165,8 +166,8 @@ mod tests {
     #[test]
     fn means_and_maxima_are_those_of_known_errors() {
         let mechanism = fixture::mechanism();
-        let levers = Levers::none(&mechanism);
-        let rig = Rig::with_levers(mechanism, levers);
+        let weights = ImportanceWeights::zero(&mechanism);
+        let rig = Rig::with_weights(mechanism, weights);
         let still = vec![pose(DVec3::ZERO, DVec3::ZERO); rig.links().len()];
         let mut off = still.clone();
         // Body 3, the head, is a leaf; body 0, the pelvis, is not.
@@ -185,7 +186,7 @@ mod tests {
             assert!((errors.leaf.linear_max_cm() - 5.0).abs() < 1e-12);
             assert!((errors.all.linear_max_cm() - 36.0).abs() < 1e-12);
             assert!((errors.all.angular_max_deg() - 0.18f64.to_degrees()).abs() < 1e-12);
-            // Without levers, what the root is off.
+            // Without weights, what the root is off.
             assert!((errors.weighted.mean_cm() - 36.0).abs() < 1e-12);
             assert!((errors.weighted.max_cm() - 36.0).abs() < 1e-12);
         }

@@ -16,11 +16,12 @@ use sinew_figure::plant::Pose;
 use sinew_figure::{BODIES, FigureMotion, Root};
 
 use super::error::{EvaluateError, RunError};
+use super::evaluation::Protocol;
 use super::metrics::Errors;
+use super::motion::count_steps;
 use super::reference::Performance;
 use super::rig::Rig;
 use super::setup::Setup;
-use super::{Protocol, track};
 
 /// The rotation weights of a curve, in metres: from World's rotations to the nearest positions.
 pub const WEIGHTS_M: [f64; 10] = [10.0, 1.0, 0.7, 0.5, 0.4, 0.3, 0.2, 0.15, 0.1, 0.05];
@@ -75,7 +76,7 @@ pub struct CurvePoint {
 /// [`EvaluateError::Run`] if a clip's skeleton cannot be given a body.
 pub fn optimum(motions: &[FigureMotion], protocol: &Protocol) -> Result<Optimum, EvaluateError> {
     let seconds = protocol.seconds;
-    let frames: usize = motions.iter().map(|motion| track::step_count(motion, seconds)).sum();
+    let frames: usize = motions.iter().map(|motion| count_steps(motion, seconds)).sum();
     let every = frames.div_ceil(FRAMES).max(1);
     let held: &[RootConstraint] = match protocol.setup.root {
         Root::Driven => &[RootConstraint::Free, RootConstraint::Position],
@@ -131,10 +132,10 @@ pub fn nearest_poses(
 ) -> Result<(Errors, usize), RunError> {
     let model = setup.model(motion)?;
     let rig = Rig::new(model.mechanism(setup.root))?;
-    let performance = Performance { take: motion, setup, links: rig.links() };
+    let performance = Performance { motion, setup, links: rig.links() };
     let mut search = Search::new(&model.offset_m, weight_m, held);
     let (mut errors, mut unsolved, mut desired) = (Errors::default(), 0, Vec::new());
-    for frame in (1..=track::step_count(motion, seconds)).step_by(every) {
+    for frame in (1..=count_steps(motion, seconds)).step_by(every) {
         performance.desired(frame, &mut desired);
         unsolved += usize::from(!search.solve(&desired));
         errors.add(&desired, &search.poses, &rig);
@@ -377,7 +378,7 @@ mod tests {
         let setup = Setup::default();
         let mechanism = setup.model(motion).unwrap().mechanism(setup.root);
         let mut desired = Vec::new();
-        Performance { take: motion, setup: &setup, links: &mechanism.bodies }
+        Performance { motion, setup: &setup, links: &mechanism.bodies }
             .desired(frame, &mut desired);
         desired
     }

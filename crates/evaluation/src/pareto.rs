@@ -4,7 +4,7 @@
 /// point is equal or better in both and better in one. Equal points are on it together; a point with a NaN is not.
 ///
 /// ```
-/// use crate::pareto::on_front;
+/// use sinew_evaluation::pareto::on_front;
 /// // Angle and distance; the last one is worse than the first in both.
 /// assert_eq!(on_front(&[[1.0, 5.0], [4.0, 2.0], [3.0, 6.0]]), [true, true, false]);
 /// ```

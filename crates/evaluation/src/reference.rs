@@ -6,13 +6,13 @@ use sinew_core::tracker::{Frame, FrameSource, extrapolate_before_start};
 use sinew_figure::plant::{MovingPose, Pose};
 use sinew_rig::mechanism::{JointModel, Link};
 
+use super::motion::EvaluatedMotion;
 use super::setup::Setup;
-use super::take::Take;
 
 /// A motion that the bodies of a rig perform.
 #[derive(Clone, Copy)]
 pub(super) struct Performance<'a> {
-    pub(super) take: &'a dyn Take,
+    pub(super) motion: &'a dyn EvaluatedMotion,
     pub(super) setup: &'a Setup,
     pub(super) links: &'a [Link],
 }
@@ -40,7 +40,7 @@ impl Performance<'_> {
         position_m: impl Fn(&Link, &Pose) -> DVec3,
         out: &mut Vec<Pose>,
     ) {
-        self.take.joint_poses(self.setup, frame, out);
+        self.motion.joint_poses(self.setup, frame, out);
         for (body, link) in self.links.iter().enumerate() {
             if let Some(parent) = link.parent {
                 let pose = out[body];
@@ -53,25 +53,25 @@ impl Performance<'_> {
     pub(super) fn start(&self) -> Vec<MovingPose> {
         let [now, next] = [0, 1].map(|frame| self.on_rig(frame));
         let steps = now.iter().zip(&next);
-        steps.map(|(now, next)| moving(now, next, self.take.dt_s())).collect()
+        steps.map(|(now, next)| moving(now, next, self.motion.dt_s())).collect()
     }
 }
 
 /// The frames of a performance, as the tracker asks for them.
 pub(super) struct Frames<'a> {
-    performance: Performance<'a>,
+    motion: &'a dyn EvaluatedMotion,
+    setup: &'a Setup,
     poses: Vec<Pose>,
     joints: Vec<Transform>,
 }
 
 impl<'a> Frames<'a> {
-    pub(super) fn new(performance: Performance<'a>) -> Self {
-        Self { performance, poses: Vec::new(), joints: Vec::new() }
+    pub(super) fn new(motion: &'a dyn EvaluatedMotion, setup: &'a Setup) -> Self {
+        Self { motion, setup, poses: Vec::new(), joints: Vec::new() }
     }
 
     fn read(&mut self, frame: usize) {
-        let Performance { take, setup, .. } = self.performance;
-        take.joint_poses(setup, frame, &mut self.poses);
+        self.motion.joint_poses(self.setup, frame, &mut self.poses);
         let single =
             |pose: &Pose| Transform::new(pose.rotation.as_quat(), pose.position_m.as_vec3());
         self.joints.clear();

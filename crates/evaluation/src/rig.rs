@@ -5,49 +5,42 @@ use sinew_core::{Transform, Tree, TreeError};
 use sinew_figure::plant::Pose;
 use sinew_rig::mechanism::{JointModel, Link, Mechanism};
 
+use super::capacity::CAPACITY;
 use super::error::RunError;
-use super::levers::Levers;
-use super::setup::Setup;
-use super::take::Take;
-
-/// As many bodies as a rig may have. The levers weigh two points of each, and the core's sets hold 128.
-pub const CAPACITY: usize = 64;
+use super::importance_weights::ImportanceWeights;
 
 /// A mechanism, and what follows from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rig {
     mechanism: Mechanism,
-    levers: Levers,
+    weights: ImportanceWeights,
     leaves: Vec<bool>,
     first_judged: usize,
 }
 
 impl Rig {
-    /// The rig of a motion in a setup.
-    ///
-    /// # Errors
-    /// [`RunError`] if there is none, its measures do not survive f32, or it has no surface.
-    pub fn of(take: &dyn Take, setup: &Setup) -> Result<Self, RunError> {
-        let rig = Self::new(take.mechanism(setup)?)?;
-        let stands = rig.links().first().is_some_and(|base| base.joint == JointModel::Fixed);
-        Ok(Self { first_judged: usize::from(take.rig_name().is_some() && stands), ..rig })
-    }
-
-    /// The rig of a mechanism.
+    /// Makes the rig of a mechanism. The errors of all its bodies count.
     ///
     /// # Errors
     /// [`RunError`] if its measures do not survive f32, or it has no surface.
     pub fn new(mechanism: Mechanism) -> Result<Self, RunError> {
-        let levers = Levers::of(&mechanism)?;
-        Ok(Self::with_levers(mechanism, levers))
+        let weights = ImportanceWeights::new(&mechanism)?;
+        Ok(Self::with_weights(mechanism, weights))
     }
 
-    pub(crate) fn with_levers(mechanism: Mechanism, levers: Levers) -> Self {
+    pub(crate) fn with_weights(mechanism: Mechanism, weights: ImportanceWeights) -> Self {
         let mut leaves = vec![true; mechanism.bodies.len()];
         for parent in mechanism.bodies.iter().filter_map(|link| link.parent) {
             leaves[parent] = false;
         }
-        Self { mechanism, levers, leaves, first_judged: 0 }
+        Self { mechanism, weights, leaves, first_judged: 0 }
+    }
+
+    /// Leaves out the error of the base if a stand holds it: it is zero, and would only make means smaller.
+    #[must_use]
+    pub fn without_stand(self) -> Self {
+        let stands = self.links().first().is_some_and(|base| base.joint == JointModel::Fixed);
+        Self { first_judged: usize::from(stands), ..self }
     }
 
     /// Its bodies and joints.
@@ -60,13 +53,12 @@ impl Rig {
         &self.mechanism.bodies
     }
 
-    /// What a turn of each joint moves.
-    pub fn levers(&self) -> &Levers {
-        &self.levers
+    /// The weights of its joints in the error of a whole pose.
+    pub fn importance_weights(&self) -> &ImportanceWeights {
+        &self.weights
     }
 
-    /// The first body whose error counts: the base of a user's rig on a stand cannot be off, and would only make means
-    /// smaller. A figure whose pelvis is fixed counts whole, as it always has.
+    /// The first body whose error counts. A figure whose pelvis is fixed counts whole, as it always has.
     pub fn first_judged(&self) -> usize {
         self.first_judged
     }

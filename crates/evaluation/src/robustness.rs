@@ -1,10 +1,15 @@
 //! What a real rig does to a setup: masses that nobody knows, sensors in steps, drives that come late.
 
 use rayon::prelude::*;
+use sinew_core::tracker::MethodName;
 
+use super::capacity::MAX_LATENCY_STEPS;
 use super::controller::narrow;
-pub use super::disturbance::LATENCY_MOST;
-use super::{Errors, MethodName, RunError, Setup, Take, run};
+use super::error::RunError;
+use super::metrics::Errors;
+use super::motion::EvaluatedMotion;
+use super::run::Run;
+use super::setup::Setup;
 
 /// The errors of one setup over all clips, or the clip that the figure was lost on.
 pub type Trial = Result<Errors, Lost>;
@@ -23,15 +28,15 @@ pub struct Lost {
 ///
 /// # Errors
 /// [`Lost`]: the first clip, in their order, that the figure was lost on.
-pub fn trial(takes: &[impl Take], setup: &Setup, seconds: Option<f64>) -> Trial {
-    let runs: Vec<Trial> = takes
+pub fn trial(motions: &[impl EvaluatedMotion], setup: &Setup, seconds: Option<f64>) -> Trial {
+    let runs: Vec<Trial> = motions
         .par_iter()
         .enumerate()
-        .map(|(stream, take)| {
-            let errors = run(take, setup, seconds, stream as u64);
+        .map(|(stream, motion)| {
+            let errors = Run::new(motion, setup, seconds, stream as u64).and_then(Run::measure);
             errors
                 .map(|(errors, _)| errors)
-                .map_err(|kind| Lost { clip: take.name().to_owned(), kind })
+                .map_err(|kind| Lost { clip: motion.name().to_owned(), kind })
         })
         .collect();
     let mut total = Errors::default();
@@ -72,20 +77,20 @@ pub const TRACKS_BELOW_DEG: f64 = 10.0;
 /// # Errors
 /// [`Lost`] for what is no loss of the figure: a clip that is too short, a setting that cannot be.
 pub fn largest_latency(
-    takes: &[impl Take],
+    motions: &[impl EvaluatedMotion],
     setup: &Setup,
     look_ahead: bool,
     seconds: Option<f64>,
 ) -> Result<Option<usize>, Lost> {
     let mut setup = setup.clone();
-    if let Some(take) = takes.first() {
-        setup.controller = setup.controller.clone().effective(narrow(take.dt_s()));
+    if let Some(motion) = motions.first() {
+        setup.controller = setup.controller.clone().effective(narrow(motion.dt_s()));
     }
     setup.controller.observer.predict = look_ahead;
     let mut largest = None;
-    for latency_steps in 0..=LATENCY_MOST {
+    for latency_steps in 0..=MAX_LATENCY_STEPS {
         setup.disturbance.latency_steps = latency_steps;
-        match trial(takes, &setup, seconds) {
+        match trial(motions, &setup, seconds) {
             Ok(errors) if errors.all.angular_mean_deg() < TRACKS_BELOW_DEG => {
                 largest = Some(latency_steps);
             }

@@ -2,21 +2,21 @@
 
 use serde::{Deserialize, Serialize};
 use sinew_core::Workspace;
-use sinew_core::tracker::{MethodName, SettingError, Settings, Timing, Tracker, TrackerError};
+use sinew_core::tracker::{MethodName, Settings, Timing, Tracker, TrackerError};
 use sinew_figure::plant::PlantSettings;
 use sinew_figure::{BODIES, BodyModel, BodyModelError, Dimensions, FigureMotion, Root, Subject};
 use sinew_host_util::parse_message;
 use sinew_rig::mechanism::{Link, Mechanism};
-use thiserror::Error;
 
+use super::capacity::{CAPACITY, MAX_LATENCY_STEPS};
 use super::controller::{BodyName, ControllerSettings, narrow};
-use super::disturbance::{Disturbance, LATENCY_MOST};
-use super::error::RunError;
-use super::rig::{CAPACITY, Rig};
-use super::supply::supply;
+use super::disturbance::Disturbance;
+use super::error::{RunError, SetupError};
+use super::rig::Rig;
+use super::supply::make_supply;
 
 /// A rig's tracker: as many commands can be on their way as the latency has steps, and one has just arrived.
-pub type RigTracker = Tracker<CAPACITY, { LATENCY_MOST + 1 }, CAPACITY>;
+pub type RigTracker = Tracker<CAPACITY, { MAX_LATENCY_STEPS + 1 }, CAPACITY>;
 
 /// All that a run can be varied in, but its clip. The default is the paper's, with Local Space Error.
 ///
@@ -24,11 +24,11 @@ pub type RigTracker = Tracker<CAPACITY, { LATENCY_MOST + 1 }, CAPACITY>;
 ///
 /// ```
 /// use sinew_core::tracker::MethodName;
-/// use crate::Setup;
+/// use sinew_evaluation::Setup;
 /// let setup = Setup::parse("controller.method = 'world'\nplant.substeps = 2")?;
 /// assert_eq!(setup.controller.method, MethodName::World);
 /// assert!(Setup::parse("controller.kp = nan").is_err());
-/// # Ok::<(), crate::SetupError>(())
+/// # Ok::<(), sinew_evaluation::SetupError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -60,44 +60,6 @@ pub enum BodySource {
     DeLeva,
     /// Hanavan's solids as modified by Kwon, of a measured subject: the paper's.
     HanavanKwon,
-}
-
-/// A setup that cannot be.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum SetupError {
-    /// Not the TOML of a setup.
-    #[error("{0}")]
-    Toml(String),
-    /// A subject for a body that needs none.
-    #[error("subject: expected with body = \"hanavan_kwon\" only")]
-    SubjectWithoutBody,
-    /// A setting of the figure that is made from a clip.
-    #[error("{key}: expected to be left out, since the rig has its own")]
-    OfTheFigure {
-        /// The key.
-        key: &'static str,
-    },
-    /// The reference is no body of the rig.
-    #[error("controller.reference: expected a body of the rig ({names}), found `{found}`")]
-    NoSuchBody {
-        /// The bodies there are.
-        names: String,
-        /// What was named.
-        found: String,
-    },
-    /// A setting of the controller.
-    #[error("controller.{0}")]
-    Controller(#[from] SettingError),
-    /// A value out of its range.
-    #[error("{key}: expected {expected}, found {value}")]
-    Value {
-        /// The key, dotted.
-        key: String,
-        /// What it may be.
-        expected: &'static str,
-        /// What it is.
-        value: f64,
-    },
 }
 
 impl Setup {
@@ -150,7 +112,7 @@ impl Setup {
         if let Some((key, expected, found)) = self.dimensions.fault() {
             return value(&format!("dimensions.{key}"), (expected, found));
         }
-        if let Some((key, expected, found)) = self.disturbance.fault() {
+        if let Some((key, expected, found)) = self.disturbance.find_fault() {
             return value(&format!("disturbance.{key}"), (expected, found));
         }
         if self.subject.is_some() && self.body != BodySource::HanavanKwon {
@@ -237,17 +199,22 @@ impl Setup {
         Ok(model.scaled_by(&self.dimensions.factors()))
     }
 
-    /// The tracker of a rig, which acts once in `dt_s` seconds.
+    /// Makes the tracker of a rig, which acts once in `dt_s` seconds.
     ///
     /// # Errors
     /// [`RunError`] if the rig's numbers do not survive f32, or a setting does not go with it.
-    pub(super) fn tracker(&self, rig: &Rig, dt_s: f64) -> Result<Box<RigTracker>, RunError> {
+    pub(super) fn make_tracker(&self, rig: &Rig, dt_s: f64) -> Result<Box<RigTracker>, RunError> {
         let tree = rig.tree()?;
         let timing = Timing { dt_s: narrow(dt_s), latency_ticks: self.disturbance.latency_steps };
         self.controller.check().map_err(TrackerError::from)?;
         // Spelled out, since it is an evaluation's business to try drives that come too late.
         let settings = self.controller_of(rig.links())?.effective(timing.dt_s);
-        let supply = supply(self, &tree, rig)?;
+        let supply = make_supply(
+            self.controller.sharing,
+            self.disturbance.supply_nm,
+            &tree,
+            rig.importance_weights(),
+        )?;
         let tracker = Tracker::with_workspace(tree, &settings, timing, Workspace::resolving())?
             .with_limits(&self.disturbance.torque_limits(rig.links()))?
             .with_supply(supply)?;

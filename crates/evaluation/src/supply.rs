@@ -6,22 +6,23 @@ use sinew_core::dynamics::{OuterJoints, ReflectedInertia, reflected_inertia};
 use sinew_core::supply::TorqueSupply;
 use sinew_core::tracker::Sharing;
 
+use super::capacity::CAPACITY;
 use super::controller::narrow;
 use super::error::RunError;
-use super::rig::{CAPACITY, Rig};
-use super::setup::Setup;
+use super::importance_weights::ImportanceWeights;
 
-/// The supply of a run; by importance, with weights `(lᵢ / Iᵢ)²` of the joints' levers and of the articulated
+/// Makes the supply of a run; by importance, with weights `(lᵢ / Iᵢ)²` of the joints' levers and of the articulated
 /// inertias that their drives work against in the rest pose.
-pub(super) fn supply(
-    setup: &Setup,
+pub(super) fn make_supply(
+    sharing: Sharing,
+    supply_nm: f64,
     tree: &Tree<CAPACITY>,
-    rig: &Rig,
+    importance: &ImportanceWeights,
 ) -> Result<TorqueSupply<CAPACITY>, RunError> {
-    let supply = TorqueSupply::new(tree, narrow(setup.disturbance.supply_nm))?;
-    Ok(match setup.controller.sharing {
+    let supply = TorqueSupply::new(tree, narrow(supply_nm))?;
+    Ok(match sharing {
         Sharing::Uniform | Sharing::Accelerations => supply,
-        Sharing::Importance => supply.with_weights(&weights(tree, rig.levers().as_slice_m()))?,
+        Sharing::Importance => supply.with_weights(&weights(tree, importance.as_slice_m()))?,
     })
 }
 

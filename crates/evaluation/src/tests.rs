@@ -25,8 +25,9 @@ fn trace(setup: Setup) -> Vec<Pose> {
 fn beginning(setup: Setup, seconds: Option<f64>) -> Vec<Pose> {
     let setup = Setup { dimensions: Dimensions::uniform(1.1), ..setup };
     let mut poses = Vec::new();
-    track(&moving("clip", 120), &setup, seconds, 0, |step| poses.extend_from_slice(step.measured))
-        .unwrap();
+    let motion = moving("clip", 120);
+    let run = Run::new(&motion, &setup, seconds, 0).unwrap();
+    run.track(|step| poses.extend_from_slice(step.measured)).unwrap();
     poses
 }
 
@@ -88,7 +89,8 @@ fn a_fixed_root_stays_and_the_clips_with_it() {
     setup.root = Root::Fixed;
     let motion = moving("clip", 120);
     let mut errors = Errors::default();
-    track(&motion, &setup, None, 0, |step| {
+    let run = Run::new(&motion, &setup, None, 0).unwrap();
+    run.track(|step| {
         let start = motion.root_position_m[0];
         assert_eq!(step.desired[0].position_m, start);
         // The engine does not move a fixed body at all.
@@ -163,7 +165,7 @@ fn counts_are_those_of_the_steps() {
     let steps = (80 - 2) + (50 - 2);
     assert_eq!(evaluation.frames(), steps);
     let motions = motions();
-    assert_eq!(steps_of_all(&motions, &Protocol::default()), steps * 2 * 3);
+    assert_eq!(count_all_steps(&motions, &Protocol::default()), steps * 2 * 3);
     for result in evaluation.figures.iter().flat_map(|figure| &figure.methods) {
         assert_eq!(result.total.all.n, steps as u64 * 18);
         assert_eq!(result.total.leaf.n, steps as u64 * 5);
@@ -321,7 +323,9 @@ fn resolved_acceleration_weighs_positions_and_needs_inverse_dynamics() {
     let mut setup = Setup::default();
     setup.controller.method = MethodName::ResolvedAcceleration;
     setup.controller.law = ControlLaw::ProportionalDerivative;
-    let error = track(&moving("clip", 10), &setup, None, 0, |_| ()).unwrap_err();
+    let motion = moving("clip", 10);
+    let run = Run::new(&motion, &setup, None, 0);
+    let error = run.and_then(|run| run.track(|_| ())).unwrap_err();
     assert!(error.to_string().contains("inverse dynamics"), "{error}");
 }
 

@@ -7,8 +7,8 @@
 use glam::DVec3;
 
 use super::cut::{self, CutDisc};
-use super::model::BodyModelError;
-use super::placement::{self, Part, Placement};
+use super::error::BodyModelError;
+use super::placement::{self, BodyPart, Placement};
 use crate::plant::MassProperties;
 
 /// Mass properties of the table's man in the dimensions of a skeleton.
@@ -16,13 +16,13 @@ pub(super) fn bodies(placement: &Placement<'_>) -> Result<Vec<MassProperties>, B
     let stature_m = placement.leg_m / (THIGH.length + SHANK.length);
     let upper_trunk = UpperTrunkParts::new();
     placement::each_body(|body| {
-        let (part, place) = (Part::of(body), placement.place(body)?);
+        let (part, place) = (BodyPart::new(body), placement.place(body)?);
         let segment = upper_trunk.segment(part);
         let length =
             if part.is_limb() { place.bone_m.length() } else { segment.length * stature_m };
         let center_of_mass_m = match part {
             // The bone is the trunk's half breadth.
-            Part::Shoulder => place.bone_m * segment.center,
+            BodyPart::Shoulder => place.bone_m * segment.center,
             _ => place.along(segment.center * length),
         };
         let mass_kg = segment.mass * MASS_KG;
@@ -40,7 +40,7 @@ pub(super) fn bodies(placement: &Placement<'_>) -> Result<Vec<MassProperties>, B
 /// # Panics
 /// If `body` is not below [`BODY_COUNT`](super::BODY_COUNT).
 pub fn mass_fraction(body: usize) -> f64 {
-    UpperTrunkParts::new().segment(Part::of(body)).mass
+    UpperTrunkParts::new().segment(BodyPart::new(body)).mass
 }
 
 /// Mass of the subject that the fractions are for by default, in kg: the mean of the sample.
@@ -134,19 +134,19 @@ impl UpperTrunkParts {
         }
     }
 
-    fn segment(&self, part: Part) -> Segment {
+    fn segment(&self, part: BodyPart) -> Segment {
         match part {
-            Part::LowerTrunk => LOWER_TRUNK,
-            Part::MidTrunk => MID_TRUNK,
-            Part::Thorax => self.thorax,
-            Part::Head => HEAD,
-            Part::Shoulder => self.shoulder,
-            Part::UpperArm => UPPER_ARM,
-            Part::Forearm => FOREARM,
-            Part::Hand => HAND,
-            Part::Thigh => THIGH,
-            Part::Shank => SHANK,
-            Part::Foot => FOOT,
+            BodyPart::LowerTrunk => LOWER_TRUNK,
+            BodyPart::MidTrunk => MID_TRUNK,
+            BodyPart::Thorax => self.thorax,
+            BodyPart::Head => HEAD,
+            BodyPart::Shoulder => self.shoulder,
+            BodyPart::UpperArm => UPPER_ARM,
+            BodyPart::Forearm => FOREARM,
+            BodyPart::Hand => HAND,
+            BodyPart::Thigh => THIGH,
+            BodyPart::Shank => SHANK,
+            BodyPart::Foot => FOOT,
         }
     }
 }

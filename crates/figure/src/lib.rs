@@ -16,6 +16,7 @@ pub mod builtin;
 mod cut;
 mod de_leva;
 mod dimensions;
+mod error;
 #[doc(hidden)]
 pub mod fixture;
 pub mod hanavan;
@@ -32,8 +33,9 @@ pub mod solids;
 pub use body::{BODIES, BODY_COUNT, Body, Root, is_leaf};
 pub use de_leva::mass_fraction as de_leva_mass_fraction;
 pub use dimensions::Dimensions;
+pub use error::BodyModelError;
 pub use hanavan::Subject;
 pub use landmark::limb_landmark;
 pub use mapping::Mapping;
-pub use model::{BodyModel, BodyModelError};
+pub use model::BodyModel;
 pub use motion::FigureMotion;

@@ -11,7 +11,7 @@
 use glam::{DMat3, DVec3};
 
 use super::body::BODIES;
-use super::model::BodyModelError;
+use super::error::BodyModelError;
 use crate::FigureMotion;
 
 /// Our assumption: the ankle lies a quarter of the foot in front of the heel.
@@ -20,9 +20,9 @@ pub(super) const HEEL_TO_ANKLE: f64 = 0.25;
 /// Shorter than this a bone has no direction, in metres.
 const SHORTEST_BONE_M: f64 = 1e-3;
 
-/// What a body is a part of: the same for left and right.
+/// A part of the human body: one for left and right.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Part {
+pub(super) enum BodyPart {
     LowerTrunk,
     MidTrunk,
     /// The upper trunk without its shoulder parts.
@@ -37,7 +37,7 @@ pub(super) enum Part {
     Foot,
 }
 
-impl Part {
+impl BodyPart {
     /// In the order of declaration.
     pub(super) const ALL: [Self; 11] = [
         Self::LowerTrunk,
@@ -53,7 +53,8 @@ impl Part {
         Self::Foot,
     ];
 
-    pub(super) fn of(body: usize) -> Self {
+    /// The part that a body of the figure is.
+    pub(super) fn new(body: usize) -> Self {
         match BODIES[body].name.trim_end_matches("_l").trim_end_matches("_r") {
             "pelvis" => Self::LowerTrunk,
             "abdomen" => Self::MidTrunk,
@@ -101,8 +102,8 @@ pub(super) struct Placement<'a> {
     forward: DVec3,
 }
 
-/// Where a segment lies, in its body's frame.
-pub(super) struct Place {
+/// A segment's placement, in its body's frame.
+pub(super) struct SegmentPlacement {
     /// The end at the joint.
     start_m: DVec3,
     /// From the body's joint to its end.
@@ -113,7 +114,7 @@ pub(super) struct Place {
     axes: DMat3,
 }
 
-impl Place {
+impl SegmentPlacement {
     /// The point of the longitudinal axis that is `distance_m` from the segment's start.
     pub(super) fn along(&self, distance_m: f64) -> DVec3 {
         self.start_m + self.direction * distance_m
@@ -163,14 +164,14 @@ impl<'a> Placement<'a> {
     }
 
     /// Where the segment of `body` lies.
-    pub(super) fn place(&self, body: usize) -> Result<Place, BodyModelError> {
-        let part = Part::of(body);
+    pub(super) fn place(&self, body: usize) -> Result<SegmentPlacement, BodyModelError> {
+        let part = BodyPart::new(body);
         let bone_m = self.skeleton.segment_end_m[body];
         if part.is_limb() && bone_m.length() < SHORTEST_BONE_M {
             return Err(BodyModelError::NoLength(BODIES[body].name));
         }
         let direction = self.direction(body);
-        let axes = if part == Part::Shoulder {
+        let axes = if part == BodyPart::Shoulder {
             // The bone is its breadth.
             let forward = perpendicular(self.forward, direction);
             DMat3::from_cols(forward, direction, forward.cross(direction))
@@ -181,8 +182,9 @@ impl<'a> Placement<'a> {
             let left = perpendicular(self.left, direction);
             DMat3::from_cols(left.cross(direction), left, direction)
         };
-        let start_m = if part == Part::LowerTrunk { self.middle_of_hips_m } else { DVec3::ZERO };
-        Ok(Place { start_m, bone_m, direction, axes })
+        let start_m =
+            if part == BodyPart::LowerTrunk { self.middle_of_hips_m } else { DVec3::ZERO };
+        Ok(SegmentPlacement { start_m, bone_m, direction, axes })
     }
 
     /// Position of the joint of `body` in its parent's frame.

@@ -1,6 +1,7 @@
 //! A clip of any skeleton, read and cleaned for a rig.
 
-use sinew_figure::measured::{By, Measured, Told};
+
+use sinew_figure::measured::{MappingSource, Measured, UnitOverrides};
 use sinew_figure::pipeline::tpose;
 use sinew_figure::{builtin, limb_landmark, mapping};
 use sinew_mocap::damage::{LongBone, check_bones, take_out_jumps};
@@ -25,12 +26,12 @@ pub struct ClipSettings {
     /// Cutoff of the low-pass, Hz; `None`: the frames as they are.
     pub cutoff_hz: Option<f64>,
     /// What the user says of the file.
-    pub told: Told,
+    pub units: UnitOverrides,
 }
 
 impl Default for ClipSettings {
     fn default() -> Self {
-        Self { cutoff_hz: Some(6.0), told: Told::default() }
+        Self { cutoff_hz: Some(6.0), units: UnitOverrides::default() }
     }
 }
 
@@ -147,8 +148,8 @@ impl PreparedClip {
         let known = mapping::choose(&recording.skeleton).ok();
         let known_s = known.and_then(|known| known.rate_hz).map(f64::recip);
         let matched = SkeletonMatch::of_recording(&recording);
-        let by = known.map(|mapping| By { mapping, is_given: false });
-        let measured = Measured::new(&recording, &matched, by, settings.told);
+        let by = known.map(|mapping| MappingSource { mapping, is_given: false });
+        let measured = Measured::new(&recording, &matched, by, settings.units);
         let mut notes = vec![measured.to_string()];
         notes.extend(measured.warnings());
         notes.extend(recording.notes.iter().cloned());

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use sinew_evaluation::{RunError, Setup, Take};
+use sinew_evaluation::{EvaluatedMotion, RunError, Setup};
 use sinew_figure::plant::Pose;
 use sinew_retarget::feasibility::{Curve, Fit, MotionError, RigMotion};
 use sinew_rig::Mechanism;
@@ -50,7 +50,7 @@ impl RigClip {
     }
 }
 
-impl Take for RigClip {
+impl EvaluatedMotion for RigClip {
     fn name(&self) -> &str {
         &self.name
     }
@@ -59,8 +59,8 @@ impl Take for RigClip {
         Some(&self.rig)
     }
 
-    fn numbers(&self, see: &mut dyn FnMut(&[f64])) {
-        sinew_evaluation::numbers_of(&self.mechanism, see);
+    fn visit_numbers(&self, see: &mut dyn FnMut(&[f64])) {
+        sinew_evaluation::visit_numbers(&self.mechanism, see);
         for row in &self.motion.rows {
             see(row);
         }

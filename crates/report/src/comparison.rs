@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use maud::{Markup, html};
-use sinew_evaluation::{Errors, MethodName, Protocol, RunError, track};
+use sinew_evaluation::{Errors, MethodName, Protocol, Run, RunError};
 use sinew_figure::FigureMotion;
 use sinew_figure::plant::Pose;
 
@@ -67,7 +67,7 @@ impl Comparison {
             let mut misses_cm = [0.0; 4];
             let setup = protocol.setup_of(scale, method);
             let scaled = mannequin.scaled_by(&setup.dimensions.factors());
-            track(&held, &setup, None, 0, |step| {
+            Run::new(&held, &setup, None, 0)?.track(|step| {
                 let mut errors = Errors::default();
                 errors.add_step(&step);
                 let points = scaled.points(step.measured);

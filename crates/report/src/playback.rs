@@ -4,7 +4,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use glam::DVec3;
 use serde::Serialize;
-use sinew_evaluation::{Errors, MethodName, Protocol, RunError, Take, track};
+use sinew_evaluation::{Errors, EvaluatedMotion, MethodName, Protocol, RunError};
 
 use super::scene::{Ground, MEASURED_GIRTH, Mannequin, Part, Points};
 use super::view::View;
@@ -47,7 +47,7 @@ impl Playback {
     ///
     /// # Errors
     /// [`RunError`], as of any run.
-    pub fn record<T: Take>(
+    pub fn record<T: EvaluatedMotion>(
         take: &T,
         mannequin: Mannequin,
         protocol: &Protocol,
@@ -80,7 +80,7 @@ impl Playback {
                     measured: Vec::new(),
                     errors: Vec::new(),
                 };
-                track(take, &setup, Some(limit_s), stream, |step| {
+                sinew_evaluation::Run::new(take, &setup, Some(limit_s), stream)?.track(|step| {
                     if !(step.frame - 1).is_multiple_of(every) {
                         return;
                     }

@@ -12,7 +12,7 @@ pub(super) fn courses(
     figure: &FigureResult,
     clip: usize,
 ) -> Vec<(MethodName, &sinew_evaluation::detail::ErrorTrace)> {
-    figure.methods.iter().map(|result| (result.method, &result.details[clip].course)).collect()
+    figure.methods.iter().map(|result| (result.method, &result.details[clip].trace)).collect()
 }
 
 /// The mean errors of every body of a figure.

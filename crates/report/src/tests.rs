@@ -1,6 +1,6 @@
 //! The report of a rig.
 
-use sinew_evaluation::exercise::{Exercises, exercises};
+use sinew_evaluation::exercise::{ExerciseSettings, make_exercises};
 use sinew_evaluation::{MethodName, Protocol, evaluate};
 use sinew_figure::plant::PlantKind;
 
@@ -12,8 +12,8 @@ use super::*;
 /// Shows `read` a report of 2 s of the arm's motions, by every method of a rig.
 fn with_report(read: impl FnOnce(&Report<'_>)) {
     let arm = arm();
-    let settings = Exercises { shares: vec![0.6], seconds: 2.0, ..Exercises::default() };
-    let takes = exercises("six<", &arm, &settings).unwrap();
+    let settings = ExerciseSettings { shares: vec![0.6], seconds: 2.0, ..ExerciseSettings::default() };
+    let takes = make_exercises("six<", &arm, &settings).unwrap();
     let all = MethodName::ALL.into_iter().filter(|method| *method != MethodName::Accumulated);
     let mut protocol = Protocol {
         scales: vec![1.0],

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use anyhow::bail;
 use rayon::prelude::*;
-use sinew_evaluation::Take;
-use sinew_evaluation::exercise::{Exercise, Exercises, exercises};
+use sinew_evaluation::EvaluatedMotion;
+use sinew_evaluation::exercise::{Exercise, ExerciseSettings, make_exercises};
 use sinew_figure::builtin;
 use sinew_figure::pipeline::{self, Notice, Settings};
 use sinew_figure::{FigureMotion, mapping};
@@ -71,7 +71,7 @@ pub(super) struct ClipArgs {
 }
 
 /// What is tracked, of either kind.
-type Takes = Vec<Box<dyn Take>>;
+type Motions = Vec<Box<dyn EvaluatedMotion>>;
 
 /// Rate of control and plant of a user's rig, Hz.
 pub(super) const RIG_RATE_HZ: f64 = 500.0;
@@ -130,21 +130,21 @@ impl ClipArgs {
 
     /// The motions of a rig's own joints: `in_turn` with those of one joint after the other.
     pub(super) fn exercises(&self, rig: &Loaded, in_turn: bool) -> anyhow::Result<Vec<Exercise>> {
-        let settings = Exercises {
+        let settings = ExerciseSettings {
             rate_hz: self.rate_hz.unwrap_or(RIG_RATE_HZ),
             shares: self.speed_shares.clone(),
             seed: self.motion_seed,
             in_turn,
-            ..Exercises::default()
+            ..ExerciseSettings::default()
         };
-        Ok(exercises(&rig.description.name, &rig.mechanism, &settings)?)
+        Ok(make_exercises(&rig.description.name, &rig.mechanism, &settings)?)
     }
 
     /// What is tracked, of either kind, and what was done to the clips before. Of a rig, the motions of all joints
     /// together: those in turn take long, and most joints stand still.
-    pub(super) fn takes(&self, rig: Option<&Loaded>) -> anyhow::Result<(Takes, Vec<String>)> {
-        fn boxed<T: Take + 'static>(takes: Vec<T>) -> Takes {
-            takes.into_iter().map(|take| Box::new(take) as Box<dyn Take>).collect()
+    pub(super) fn takes(&self, rig: Option<&Loaded>) -> anyhow::Result<(Motions, Vec<String>)> {
+        fn boxed<T: EvaluatedMotion + 'static>(takes: Vec<T>) -> Motions {
+            takes.into_iter().map(|take| Box::new(take) as Box<dyn EvaluatedMotion>).collect()
         }
         match rig {
             Some(rig) if self.of_rig() => {

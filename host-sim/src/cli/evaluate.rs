@@ -9,7 +9,8 @@ use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
 use sinew_evaluation::robustness::TRACKS_BELOW_DEG;
 use sinew_evaluation::{
-    EvaluateError, Evaluation, MethodName, Protocol, Take, evaluate, report, steps_of_all,
+    EvaluateError, EvaluatedMotion, Evaluation, MethodName, Protocol, count_all_steps, evaluate,
+    report,
 };
 use sinew_host_util::command::{ThreadArgs, note, print, with_progress};
 use sinew_host_util::output::{self, Folder};
@@ -163,14 +164,14 @@ impl Args {
     }
 
     /// Evaluates, writes the files and `page` where they are asked for, and prints.
-    fn evaluate<T: Take>(
+    fn evaluate<T: EvaluatedMotion>(
         &self,
         takes: &[T],
         protocol: &Protocol,
         folder: Option<Folder>,
         page: impl FnOnce(&Path, &Evaluation) -> anyhow::Result<()>,
     ) -> anyhow::Result<ExitCode> {
-        let result = with_progress(steps_of_all(takes, protocol), |progress| {
+        let result = with_progress(count_all_steps(takes, protocol), |progress| {
             evaluate(takes, protocol, progress)
         });
         let evaluation = match result {

@@ -82,7 +82,8 @@ struct Row {
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let read = args.subject.as_deref().map(Subject::read).transpose()?;
     let subject = read.as_ref().unwrap_or_else(|| Subject::built_in());
-    let document = document(subject, &subject.figure()?.scaled(args.scale), args.scale);
+    let document =
+        document(subject, &BodyModel::from_subject(subject)?.scaled(args.scale), args.scale);
     print(&match args.format {
         Format::Table => text(&document),
         Format::Json => serde_json::to_string_pretty(&document)? + "\n",

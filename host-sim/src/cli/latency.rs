@@ -5,8 +5,8 @@ use std::process::ExitCode;
 use anyhow::ensure;
 use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 use rayon::prelude::*;
-use sinew_evaluation::robustness::{LATENCY_MOST, TRACKS_BELOW_DEG, largest_latency};
-use sinew_evaluation::{Setup, Take};
+use sinew_evaluation::robustness::{TRACKS_BELOW_DEG, largest_latency};
+use sinew_evaluation::{EvaluatedMotion, MAX_LATENCY_STEPS, Setup};
 use sinew_figure::Dimensions;
 use sinew_host_util::command::{ThreadArgs, print, with_progress};
 
@@ -82,7 +82,7 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     for setup in &setups {
         setup.check()?;
     }
-    let mut motions: Vec<(f64, Vec<Box<dyn Take>>)> = Vec::new();
+    let mut motions: Vec<(f64, Vec<Box<dyn EvaluatedMotion>>)> = Vec::new();
     for rate in &args.rates_hz {
         let (of_rate, lines) = args.clips.with_rate(*rate).at(*rate, 100.0).takes(rig)?;
         // Every rate has the same to tell.
@@ -145,7 +145,7 @@ fn shown(rate_hz: f64, steps: Option<usize>) -> String {
     match steps {
         None => "-".to_owned(),
         Some(1) => format!("1 step, {:.0} ms", 1e3 / rate_hz),
-        Some(LATENCY_MOST) => format!("{LATENCY_MOST} steps or more"),
+        Some(MAX_LATENCY_STEPS) => format!("{MAX_LATENCY_STEPS} steps or more"),
         Some(steps) => format!("{steps} steps, {:.0} ms", steps as f64 * 1e3 / rate_hz),
     }
 }

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, anyhow};
-use sinew_figure::mapping::{Known, choose, known};
-use sinew_figure::measured::{Measured, Told};
+use sinew_figure::mapping::{KnownSkeleton, choose, known_skeletons};
+use sinew_figure::measured::{Measured, UnitOverrides};
 use sinew_host_util::command::{note, print};
 use sinew_mocap::files::ClipFile;
 use sinew_mocap::{Up, format};
@@ -54,13 +54,13 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 
 /// The known skeletons, a line for each.
 fn listed() -> String {
-    let line = |known: &Known| format!("{:<16}{}\n", known.mapping.name, known.about);
-    known().iter().map(line).collect()
+    let line = |known: &KnownSkeleton| format!("{:<16}{}\n", known.mapping.name, known.about);
+    known_skeletons().iter().map(line).collect()
 }
 
-fn on_rig(clip: &Path, rig: &Path, told: Told) -> anyhow::Result<String> {
+fn on_rig(clip: &Path, rig: &Path, units: UnitOverrides) -> anyhow::Result<String> {
     let loaded = read(rig)?;
-    let settings = ClipSettings { cutoff_hz: None, told };
+    let settings = ClipSettings { cutoff_hz: None, units };
     let clip = PreparedClip::read(&ClipFile::new(clip), settings)?;
     note(format_args!("note: {}: {}", clip.clip.name, clip.measured));
     let mechanism = &loaded.mechanism;
@@ -89,11 +89,11 @@ fn on_rig(clip: &Path, rig: &Path, told: Told) -> anyhow::Result<String> {
     Ok(mapping.text())
 }
 
-fn on_figure(path: &Path, told: Told) -> anyhow::Result<String> {
+fn on_figure(path: &Path, units: UnitOverrides) -> anyhow::Result<String> {
     let file = ClipFile::new(path);
     let recording = format::read(&file.path)?;
     let matched = SkeletonMatch::of_recording(&recording);
-    let measured = Measured::new(&recording, &matched, None, told);
+    let measured = Measured::new(&recording, &matched, None, units);
     let unit = measured.unit().map_err(|reason| anyhow!("{}: {reason}", path.display()));
     note(format_args!("note: {}: {}", file.name, measured));
     for warning in measured.warnings() {

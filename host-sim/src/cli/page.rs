@@ -7,7 +7,7 @@ use anyhow::Context as _;
 use clap::ValueEnum as _;
 use sinew_evaluation::exercise::Exercise;
 use sinew_evaluation::optimum::{Optimum, optimum};
-use sinew_evaluation::{BodySource, Evaluation, Protocol, Setup, Take};
+use sinew_evaluation::{BodySource, EvaluatedMotion, Evaluation, Protocol, Setup};
 use sinew_figure::FigureMotion;
 use sinew_host_util::command::note;
 use sinew_performance::RigClip;
@@ -44,13 +44,17 @@ impl PageArgs {
     }
 
     /// Finds the clip or motion and reads the sweep.
-    pub(super) fn plan(&self, takes: &[impl Take], notices: Vec<String>) -> anyhow::Result<Plan> {
+    pub(super) fn plan(
+        &self,
+        takes: &[impl EvaluatedMotion],
+        notices: Vec<String>,
+    ) -> anyhow::Result<Plan> {
         let of_rig = takes.first().is_some_and(|take| take.rig_name().is_some());
         let default = if of_rig { takes.len() - 1 } else { 0 };
         let take = self.playback.as_deref().map_or(Ok(default), |wanted| {
             let place = takes.iter().position(|take| take.name() == wanted);
             place.with_context(|| {
-                let names: Vec<&str> = takes.iter().map(Take::name).collect();
+                let names: Vec<&str> = takes.iter().map(EvaluatedMotion::name).collect();
                 format!("--playback: expected one of {}, found `{wanted}`", names.join(", "))
             })
         })?;
@@ -60,7 +64,7 @@ impl PageArgs {
 }
 
 /// What a report shows of a take beside its errors.
-pub(super) trait Shown: Take + Sized {
+pub(super) trait Shown: EvaluatedMotion + Sized {
     /// How its rig looks.
     fn mannequin(&self, setup: &Setup) -> anyhow::Result<Mannequin>;
 
@@ -108,7 +112,7 @@ impl Shown for FigureMotion {
 
 impl Shown for RigClip {
     fn mannequin(&self, setup: &Setup) -> anyhow::Result<Mannequin> {
-        Ok(Mannequin::of_rig(&Take::mechanism(self, setup)?))
+        Ok(Mannequin::of_rig(&EvaluatedMotion::mechanism(self, setup)?))
     }
 
     fn settings(&self, _: &Setup) -> Vec<(&'static str, String)> {
@@ -122,7 +126,7 @@ impl Shown for RigClip {
 
 impl Shown for Exercise {
     fn mannequin(&self, setup: &Setup) -> anyhow::Result<Mannequin> {
-        Ok(Mannequin::of_rig(&Take::mechanism(self, setup)?))
+        Ok(Mannequin::of_rig(&EvaluatedMotion::mechanism(self, setup)?))
     }
 
     fn settings(&self, _: &Setup) -> Vec<(&'static str, String)> {

@@ -7,7 +7,7 @@ use anyhow::{bail, ensure};
 use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 use sinew_evaluation::pareto::on_front;
 use sinew_evaluation::robustness::{Trial, as_built, median, trial};
-use sinew_evaluation::{Disturbance, Errors, MethodName, Setup, Take as _, step_count};
+use sinew_evaluation::{Disturbance, Errors, EvaluatedMotion as _, MethodName, Setup, count_steps};
 use sinew_figure::Dimensions;
 use sinew_host_util::command::{ThreadArgs, print, with_progress};
 
@@ -102,7 +102,7 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     }
     let (motions, lines) = args.clips.at(500.0, 100.0).takes(rig)?;
     tell(&lines);
-    let steps: usize = motions.iter().map(|motion| step_count(motion, args.seconds)).sum();
+    let steps: usize = motions.iter().map(|motion| count_steps(motion, args.seconds)).sum();
     let seeds: Vec<u64> = (1..=args.rigs).collect();
     let trials: Vec<Vec<Trial>> = with_progress(steps * variants.len() * seeds.len(), |progress| {
         let of_seed = |seed: &u64| {

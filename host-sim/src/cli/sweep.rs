@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use anyhow::ensure;
 use sinew_evaluation::sweep::{self, Journal, ParetoFront, Plan, Shard, Summary, SweepFile};
-use sinew_evaluation::{Errors, Take as _, step_count};
+use sinew_evaluation::{Errors, EvaluatedMotion as _, count_steps};
 use sinew_host_util::command::{ThreadArgs, note, print, with_progress};
 
 use super::clips::{ClipArgs, seconds, tell};
@@ -86,7 +86,7 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     let (motions, lines) = args.clips.takes(rig)?;
     tell(&lines);
     for motion in &motions {
-        let steps = step_count(motion, args.seconds);
+        let steps = count_steps(motion, args.seconds);
         ensure!(steps > 0, "clip {}: at least 3 frames are needed", motion.name());
     }
     let shard = args.shard.unwrap_or(Shard::WHOLE);
@@ -94,7 +94,7 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     if args.dry_run {
         let (cells, runs) = (plan.shard_cells().count(), plan.units().count());
         let steps: usize =
-            plan.units().map(|unit| step_count(&motions[unit.clip], args.seconds)).sum();
+            plan.units().map(|unit| count_steps(&motions[unit.clip], args.seconds)).sum();
         print(&format!("{cells} cells, {runs} runs, {steps} steps\n"))?;
         return Ok(ExitCode::SUCCESS);
     }

@@ -1,6 +1,6 @@
 //! Options that say what files do not: the unit of length, and which axis points up.
 
-use sinew_figure::measured::Told;
+use sinew_figure::measured::UnitOverrides;
 use sinew_mocap::Up;
 use sinew_rig::import::Options;
 
@@ -19,8 +19,8 @@ pub(super) struct UnitArgs {
 
 impl UnitArgs {
     /// Returns what the user says of a file.
-    pub(super) const fn overrides(&self) -> Told {
-        Told { metres_per_unit: self.metres_per_unit, up: self.up }
+    pub(super) const fn overrides(&self) -> UnitOverrides {
+        UnitOverrides { metres_per_unit: self.metres_per_unit, up: self.up }
     }
 
     /// The same for a rig's import.

@@ -99,7 +99,7 @@ impl Common<'_> {
     pub(super) fn inspected(self) -> Inspected {
         let Self { kind, format, maker, skeleton, measured, matched, extents } = self;
         let unit = measured.metres_per_unit;
-        let (nearest, missing) = match mapping::nearest(skeleton) {
+        let (nearest, missing) = match mapping::find_nearest(skeleton) {
             Some((mapping, lacking)) => (
                 Some(mapping.name.clone()),
                 lacking.iter().map(|name| (*name).to_owned()).collect(),

@@ -10,7 +10,7 @@ mod text;
 use std::path::Path;
 
 use serde::Serialize;
-use sinew_figure::measured::Told;
+use sinew_figure::measured::UnitOverrides;
 
 use inspected::Inspected;
 
@@ -31,7 +31,7 @@ pub(crate) enum Entry {
 
 impl Entry {
     /// Looks at a file.
-    pub(crate) fn of(path: &Path, told: Told) -> Self {
+    pub(crate) fn of(path: &Path, told: UnitOverrides) -> Self {
         let file = path.display().to_string();
         match inspect(path, told) {
             Ok(inspected) => Self::Read(Box::new(Inspected { file, ..inspected })),
@@ -59,7 +59,7 @@ impl Entry {
 }
 
 /// The readers are asked by the kind that the name says; what no name says may be a motion by its content.
-fn inspect(path: &Path, told: Told) -> Result<Inspected, String> {
+fn inspect(path: &Path, told: UnitOverrides) -> Result<Inspected, String> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     match extension.to_str().unwrap_or_default() {
         "bin" | "glb" | "gltf" | "vrm" => rest::character(path, told),

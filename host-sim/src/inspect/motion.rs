@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use glam::DVec3;
-use sinew_figure::measured::{self, By, Measured, Told};
+
+use sinew_figure::measured::{self, MappingSource, Measured, UnitOverrides};
 use sinew_figure::pipeline::tpose;
 use sinew_figure::{limb_landmark, mapping};
 use sinew_mocap::damage::{check_bones, take_out_jumps};
@@ -18,12 +19,12 @@ const BONE_MAX_M: f64 = 3.0;
 /// The longest gap that other commands fill, s.
 const GAP_MAX_S: f64 = 0.5;
 
-pub(super) fn motion(path: &Path, told: Told) -> Result<Inspected, String> {
+pub(super) fn motion(path: &Path, units: UnitOverrides) -> Result<Inspected, String> {
     let recording = format::read(path).map_err(|error| error.to_string())?;
     let matched = SkeletonMatch::of_recording(&recording);
     let known = mapping::choose(&recording.skeleton).ok();
-    let by = known.map(|mapping| By { mapping, is_given: false });
-    let measured = Measured::new(&recording, &matched, by, told);
+    let by = known.map(|mapping| MappingSource { mapping, is_given: false });
+    let measured = Measured::new(&recording, &matched, by, units);
     let common = Common {
         kind: Kind::Motion,
         format: format::name(path, &recording),

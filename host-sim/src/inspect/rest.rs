@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use sinew_figure::limb_landmark;
-use sinew_figure::measured::{self, Measured, Told};
+use sinew_figure::measured::{self, Measured, UnitOverrides};
 use sinew_figure::pipeline::tpose;
 use sinew_pose_metrics::character::{self, Character, Options};
 use sinew_retarget::skeleton::SkeletonMatch;
@@ -12,13 +12,14 @@ use sinew_retarget::skeleton::SkeletonMatch;
 use super::inspected::{Common, Inspected, Kind};
 use super::maker;
 
-pub(super) fn character(path: &Path, told: Told) -> Result<Inspected, String> {
-    let read = |told| character::read(path, &Options { told, frame: None });
+pub(super) fn character(path: &Path, units: UnitOverrides) -> Result<Inspected, String> {
+    let read = |units| character::read(path, &Options { units, frame: None });
     // What is too large to be believed is shown all the same.
-    let (character, refused) = match read(told) {
+    let (character, refused) = match read(units) {
         Ok(character) => (character, None),
         Err(error) => {
-            let as_it_is = Told { metres_per_unit: told.metres_per_unit.or(Some(1.0)), ..told };
+            let as_it_is =
+                UnitOverrides { metres_per_unit: units.metres_per_unit.or(Some(1.0)), ..units };
             (read(as_it_is).map_err(|_| error.to_string())?, Some(error))
         }
     };
@@ -28,7 +29,7 @@ pub(super) fn character(path: &Path, told: Told) -> Result<Inspected, String> {
         Some("urdf") => "URDF",
         _ => "glTF 2.0",
     };
-    let mut inspected = of_character(&character, format, path, told);
+    let mut inspected = of_character(&character, format, path, units);
     // The first is its size, and what is doubtful of that is told already.
     for note in character.notes().iter().skip(1) {
         if !inspected.notes.contains(note) {
@@ -43,12 +44,12 @@ pub(super) fn of_character(
     character: &Character,
     format: &'static str,
     path: &Path,
-    told: Told,
+    units: UnitOverrides,
 ) -> Inspected {
     let rest = character.at_rest();
     let matched = SkeletonMatch::new(&rest.skeleton, &[]);
     let mut measured = Measured::of_format(&rest, &matched);
-    if told.up.is_some() {
+    if units.up.is_some() {
         "after the turn that you asked for".clone_into(&mut measured.up.reason);
     }
     let common = Common {
@@ -62,7 +63,7 @@ pub(super) fn of_character(
     };
     let mut inspected = common.inspected();
     // The reader has brought it to metres.
-    if let Some(metres_per_unit) = told.metres_per_unit {
+    if let Some(metres_per_unit) = units.metres_per_unit {
         inspected.metres_per_unit = Some(metres_per_unit);
         "as you say".clone_into(&mut inspected.unit_reason);
     }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glam::DVec3;
-use sinew_figure::measured::{self, Measured, Told};
+use sinew_figure::measured::{self, Measured, UnitOverrides};
 use sinew_mocap::{Up, axis_name};
 use sinew_performance::rig::{at_home, load};
 use sinew_pose_metrics::character;
@@ -15,16 +15,16 @@ use sinew_rig::import::Options;
 use super::inspected::{Common, Inspected, Kind, TreeJoint};
 use super::{maker, rest};
 
-pub(super) fn rig(path: &Path, told: Told) -> Result<Inspected, String> {
+pub(super) fn rig(path: &Path, units: UnitOverrides) -> Result<Inspected, String> {
     let options = Options {
-        metres_per_unit: told.metres_per_unit,
-        up: told.up.map(Up::axis),
+        metres_per_unit: units.metres_per_unit,
+        up: units.up.map(Up::axis),
         ..Options::default()
     };
     let loaded = match load(path, &options) {
         Ok(loaded) => loaded,
         // Its joints can be seen, though no tree of bodies can be made of it as it is.
-        Err(error) => return as_character(path, told, &error.to_string()),
+        Err(error) => return as_character(path, units, &error.to_string()),
     };
     let rest = at_home(&loaded.description.name, &loaded.mechanism);
     let matched = SkeletonMatch::new(&rest.skeleton, &[]);
@@ -63,11 +63,11 @@ pub(super) fn rig(path: &Path, told: Told) -> Result<Inspected, String> {
     Ok(inspected)
 }
 
-fn as_character(path: &Path, told: Told, why: &str) -> Result<Inspected, String> {
-    let options = character::Options { told, frame: None };
+fn as_character(path: &Path, units: UnitOverrides, why: &str) -> Result<Inspected, String> {
+    let options = character::Options { units, frame: None };
     let character = character::read(path, &options).map_err(|_| why.to_owned())?;
-    let mut inspected = rest::of_character(&character, "URDF", path, told);
-    if told.up.is_none() {
+    let mut inspected = rest::of_character(&character, "URDF", path, units);
+    if units.up.is_none() {
         inspected.up = axis_name(DVec3::Z);
     }
     inspected.notes.push(format!("no rig as it is: {why}"));

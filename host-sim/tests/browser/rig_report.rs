@@ -1,6 +1,6 @@
 //! The report of a rig.
 
-use sinew_evaluation::exercise::{Exercises, exercises};
+use sinew_evaluation::exercise::{ExerciseSettings, make_exercises};
 use sinew_evaluation::{MethodName, Protocol, evaluate};
 use sinew_figure::plant::PlantKind;
 use sinew_report::scene::Mannequin;
@@ -12,8 +12,9 @@ use crate::page::{Page, with_page};
 fn write_report(folder: &Path) {
     let description = sinew_rig::new::arm(6).unwrap();
     let mechanism = description.mechanism().unwrap();
-    let settings = Exercises { shares: vec![0.6], seconds: 2.0, ..Exercises::default() };
-    let takes = exercises(&description.name, &mechanism, &settings).unwrap();
+    let settings =
+        ExerciseSettings { shares: vec![0.6], seconds: 2.0, ..ExerciseSettings::default() };
+    let takes = make_exercises(&description.name, &mechanism, &settings).unwrap();
     let mut protocol = Protocol {
         scales: vec![1.0],
         methods: vec![MethodName::Local, MethodName::Recommended],

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
 use glam::DQuat;
 use sinew_rig::mechanism::{JointModel, Link};
 
-use super::ExerciseError;
+use super::error::ExerciseError;
 
 /// Slower than any servo: the speed of an axis that has no limit, rad/s and m/s.
 pub(super) const SPEED: [f64; 2] = [2.0, 0.5];

@@ -3,7 +3,7 @@
 use sinew_rig::mechanism::Mechanism;
 
 use super::axis::Axis;
-use super::course::Course;
+use super::profile::Profile;
 
 /// The axis of a joint that is tied to another: it is at `factor · leader + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,9 +109,9 @@ fn put(axes: &mut [Vec<Axis>], body: usize, axis: Axis) {
 }
 
 /// Lets axes that are tied to others do what these do.
-pub(super) fn follow(followers: &[Follower], courses: &mut [Vec<Course>]) {
+pub(super) fn follow(followers: &[Follower], profiles: &mut [Vec<Profile>]) {
     for one in followers {
-        let Some(leader) = courses.get(one.leader).and_then(|courses| courses.first()).cloned()
+        let Some(leader) = profiles.get(one.leader).and_then(|profiles| profiles.first()).cloned()
         else {
             continue;
         };
@@ -121,7 +121,7 @@ pub(super) fn follow(followers: &[Follower], courses: &mut [Vec<Course>]) {
         for step in &mut own.moves {
             step.to = at(step.to);
         }
-        if let Some(slot) = courses.get_mut(one.body).and_then(|courses| courses.first_mut()) {
+        if let Some(slot) = profiles.get_mut(one.body).and_then(|profiles| profiles.first_mut()) {
             *slot = own;
         }
     }

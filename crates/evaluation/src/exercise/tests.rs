@@ -57,12 +57,12 @@ fn arm(base: DQuat) -> Mechanism {
 }
 
 fn evaluated(mechanism: &Mechanism, change: impl FnOnce(&mut Protocol)) -> Evaluation {
-    let settings = Exercises { seconds: 2.0, ..Exercises::default() };
-    let takes = exercises("arm", mechanism, &settings).unwrap();
+    let settings = ExerciseSettings { seconds: 2.0, ..ExerciseSettings::default() };
+    let exercises = make_exercises("arm", mechanism, &settings).unwrap();
     let mut protocol = Protocol { scales: vec![1.0], ..Protocol::default() };
     protocol.setup.plant.kind = PlantKind::Articulated;
     change(&mut protocol);
-    evaluate(&takes, &protocol, |_| ()).unwrap()
+    evaluate(&exercises, &protocol, |_| ()).unwrap()
 }
 
 fn totals(evaluation: &Evaluation) -> impl Iterator<Item = (MethodName, &Errors)> {
@@ -99,12 +99,12 @@ fn wrong_masses_are_learnt() {
 #[test]
 fn axes_stay_in_their_ranges_and_below_their_limits_and_are_smooth() {
     let mechanism = arm(DQuat::IDENTITY);
-    for exercise in exercises("arm", &mechanism, &Exercises::default()).unwrap() {
+    for exercise in make_exercises("arm", &mechanism, &ExerciseSettings::default()).unwrap() {
         let share = if exercise.name.ends_with("20") { 0.2 } else { 0.6 };
-        for (link, courses) in mechanism.bodies.iter().zip(&exercise.courses) {
-            for (index, course) in courses.iter().enumerate() {
+        for (link, profiles) in mechanism.bodies.iter().zip(&exercise.profiles) {
+            for (index, profile) in profiles.iter().enumerate() {
                 let h = exercise.dt_s;
-                let at: Vec<f64> = (0..exercise.frames).map(|f| course.at(f as f64 * h)).collect();
+                let at: Vec<f64> = (0..exercise.frames).map(|f| profile.at(f as f64 * h)).collect();
                 if let Some([least, most]) = link.ranges.get(index) {
                     assert!(at.iter().all(|at| (*least..=*most).contains(at)), "{}", link.name);
                 }
@@ -141,8 +141,8 @@ fn axes_stay_in_their_ranges_and_below_their_limits_and_are_smooth() {
 fn the_same_seed_moves_the_same_way() {
     let mechanism = arm(DQuat::IDENTITY);
     let poses = |seed| {
-        let settings = Exercises { seed, ..Exercises::default() };
-        let together = exercises("arm", &mechanism, &settings).unwrap().swap_remove(1);
+        let settings = ExerciseSettings { seed, ..ExerciseSettings::default() };
+        let together = make_exercises("arm", &mechanism, &settings).unwrap().swap_remove(1);
         assert_eq!(together.name(), "together_20");
         let mut poses = Vec::new();
         together.joint_poses(&Setup::default(), 1000, &mut poses);
@@ -162,28 +162,29 @@ fn tables_are_of_the_rig_and_not_beside_the_papers() {
 
 #[test]
 fn what_cannot_be_moved_is_refused_in_words() {
-    let refused = |mechanism: &Mechanism, settings: &Exercises| {
-        exercises("arm", mechanism, settings).unwrap_err().to_string()
+    let refused = |mechanism: &Mechanism, settings: &ExerciseSettings| {
+        make_exercises("arm", mechanism, settings).unwrap_err().to_string()
     };
     let good = arm(DQuat::IDENTITY);
     for shares in [vec![0.0], vec![0.2, 1.5], vec![f64::NAN]] {
-        let message = refused(&good, &Exercises { shares, ..Exercises::default() });
+        let message = refused(&good, &ExerciseSettings { shares, ..ExerciseSettings::default() });
         assert!(message.starts_with("shares: expected shares from 0.01 to 1"), "{message}");
     }
-    let message = refused(&good, &Exercises { rate_hz: f64::INFINITY, ..Exercises::default() });
+    let message =
+        refused(&good, &ExerciseSettings { rate_hz: f64::INFINITY, ..ExerciseSettings::default() });
     assert!(message.starts_with("rate_hz"), "{message}");
     let mut bad = good.clone();
     bad.bodies[1].ranges = vec![[0.5, f64::NAN]];
-    assert!(refused(&bad, &Exercises::default()).starts_with("body 1, ranges"));
+    assert!(refused(&bad, &ExerciseSettings::default()).starts_with("body 1, ranges"));
     let mut bad = good.clone();
     bad.bodies[2].home = vec![];
-    assert!(refused(&bad, &Exercises::default()).starts_with("joint joint_2: expected 1"));
+    assert!(refused(&bad, &ExerciseSettings::default()).starts_with("joint joint_2: expected 1"));
     let mut tied = good.clone();
     tied.bodies.truncate(3);
     tied.linked = vec![between(1, 2, 1.0, [0.0, 0.0]), between(1, 2, -1.0, [0.0, 0.0])];
-    assert!(refused(&tied, &Exercises::default()).contains("no joint that can move"));
+    assert!(refused(&tied, &ExerciseSettings::default()).contains("no joint that can move"));
     let stiff = Mechanism { bodies: vec![good.bodies[0].clone()], linked: Vec::new() };
-    assert!(refused(&stiff, &Exercises::default()).contains("no joint that can move"));
+    assert!(refused(&stiff, &ExerciseSettings::default()).contains("no joint that can move"));
 }
 
 fn between(body: usize, other: usize, factor: f64, range: [f64; 2]) -> LinkedRange {
@@ -194,10 +195,11 @@ fn between(body: usize, other: usize, factor: f64, range: [f64; 2]) -> LinkedRan
 fn a_joint_may_be_tied_to_two() {
     let mut mechanism = arm(DQuat::IDENTITY);
     mechanism.linked = vec![between(1, 2, -1.0, [0.0, 0.0]), between(1, 3, -2.0, [0.0, 0.0])];
-    let together = exercises("arm", &mechanism, &Exercises::default()).unwrap().swap_remove(1);
+    let together =
+        make_exercises("arm", &mechanism, &ExerciseSettings::default()).unwrap().swap_remove(1);
     let mut largest: f64 = 0.0;
     for frame in 0..together.frames {
-        let at = |body: usize| together.courses[body][0].at(frame as f64 * together.dt_s);
+        let at = |body: usize| together.profiles[body][0].at(frame as f64 * together.dt_s);
         assert!((at(1) - at(2)).abs() < 1e-12 && (at(1) - 2.0 * at(3)).abs() < 1e-12);
         largest = largest.max(at(1).abs());
     }
@@ -222,9 +224,9 @@ fn limits_that_join_two_joints_hold_all_the_time() {
         between(3, 1, -1.0, [-0.4, 0.3]),
     ];
     let mut sums = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
-    for exercise in exercises("arm", &mechanism, &Exercises::default()).unwrap() {
+    for exercise in make_exercises("arm", &mechanism, &ExerciseSettings::default()).unwrap() {
         for frame in 0..exercise.frames {
-            let at = |body: usize| exercise.courses[body][0].at(frame as f64 * exercise.dt_s);
+            let at = |body: usize| exercise.profiles[body][0].at(frame as f64 * exercise.dt_s);
             for (one, [least, most]) in mechanism.linked.iter().zip(&mut sums) {
                 let sum = at(one.body) * one.factor + at(one.other) * one.other_factor;
                 (*least, *most) = (least.min(sum), most.max(sum));
@@ -255,6 +257,7 @@ fn a_rig_without_mass_is_shown_another_way() {
     for link in &mut face.bodies {
         (link.mass_kg, link.inertia_kg_m2) = (0.0, glam::DMat3::ZERO);
     }
-    let message = exercises("face", &face, &Exercises::default()).unwrap_err().to_string();
+    let message =
+        make_exercises("face", &face, &ExerciseSettings::default()).unwrap_err().to_string();
     assert!(message.contains("sinew rig view"), "{message}");
 }

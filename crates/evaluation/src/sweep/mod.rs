@@ -17,7 +17,9 @@ use std::sync::Mutex;
 
 use rayon::prelude::*;
 
-use crate::{Errors, Take, run, step_count};
+use crate::metrics::Errors;
+use crate::motion::{EvaluatedMotion, count_steps};
+use crate::run::Run;
 
 pub use error::SweepError;
 pub use file::{Cell, SweepFile};
@@ -46,9 +48,9 @@ pub struct Summary {
 }
 
 /// Steps of the units that the journal lacks, for a progress bar.
-pub fn steps_left(plan: &Plan, journal: &Journal, motions: &[impl Take]) -> usize {
+pub fn steps_left(plan: &Plan, journal: &Journal, motions: &[impl EvaluatedMotion]) -> usize {
     let missing = plan.units().filter(|unit| !journal.has(*unit));
-    missing.map(|unit| step_count(&motions[unit.clip], plan.seconds)).sum()
+    missing.map(|unit| count_steps(&motions[unit.clip], plan.seconds)).sum()
 }
 
 /// Runs what the journal lacks, then writes the tables beside it. `progress` gets the number of steps
@@ -59,7 +61,7 @@ pub fn steps_left(plan: &Plan, journal: &Journal, motions: &[impl Take]) -> usiz
 pub fn sweep(
     plan: &Plan,
     journal: Journal,
-    motions: &[impl Take],
+    motions: &[impl EvaluatedMotion],
     progress: impl Fn(usize) + Sync,
 ) -> Result<Summary, SweepError> {
     let missing: Vec<Unit> = plan.units().filter(|unit| !journal.has(*unit)).collect();
@@ -69,12 +71,13 @@ pub fn sweep(
     missing.par_iter().try_for_each(|unit| {
         let motion = &motions[unit.clip];
         let setup = &plan.cells[unit.cell].setup;
-        let outcome = match run(motion, setup, plan.seconds, unit.clip as u64) {
+        let run = Run::new(motion, setup, plan.seconds, unit.clip as u64);
+        let outcome = match run.and_then(Run::measure) {
             Ok((errors, _)) => Outcome::Errors(errors),
             Err(error) => Outcome::Lost(error.to_string()),
         };
         journal.lock().expect("no thread panics with it").add(*unit, outcome)?;
-        progress(step_count(motion, plan.seconds));
+        progress(count_steps(motion, plan.seconds));
         Ok::<_, SweepError>(())
     })?;
     let mut journal = journal.into_inner().expect("no thread panics with it");

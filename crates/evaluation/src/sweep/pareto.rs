@@ -75,7 +75,7 @@ mod tests {
     use glam::{DQuat, DVec3};
 
     use super::*;
-    use crate::{Levers, Rig};
+    use crate::{ImportanceWeights, Rig};
     use sinew_figure::plant::Pose;
     use sinew_figure::{Dimensions, Root, fixture};
 
@@ -86,8 +86,8 @@ mod tests {
         };
         let mut errors = Errors::default();
         let mechanism = fixture::mechanism();
-        let levers = Levers::none(&mechanism);
-        let rig = Rig::with_levers(mechanism, levers);
+        let weights = ImportanceWeights::zero(&mechanism);
+        let rig = Rig::with_weights(mechanism, weights);
         let [desired, measured] =
             [pose(0.0, 0.0), pose(angle_rad, distance_m)].map(|pose| vec![pose; rig.links().len()]);
         errors.add(&desired, &measured, &rig);

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 
 use super::file::{Cell, SweepFile};
-use crate::Take;
+use crate::EvaluatedMotion;
 
 /// What is to be run.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,7 +80,12 @@ impl fmt::Display for Shard {
 
 impl Plan {
     /// A plan for all clips.
-    pub fn new(file: SweepFile, motions: &[impl Take], seconds: Option<f64>, shard: Shard) -> Self {
+    pub fn new(
+        file: SweepFile,
+        motions: &[impl EvaluatedMotion],
+        seconds: Option<f64>,
+        shard: Shard,
+    ) -> Self {
         let clips = motions.iter().map(ClipIdentity::of).collect();
         Self { text: file.text, cells: file.cells, clips, seconds, shard }
     }
@@ -108,7 +113,7 @@ impl Plan {
 }
 
 impl ClipIdentity {
-    fn of(motion: &impl Take) -> Self {
+    fn of(motion: &impl EvaluatedMotion) -> Self {
         let mut hash = Sha256::new();
         let mut add = |values: &[f64]| {
             for value in values {
@@ -116,7 +121,7 @@ impl ClipIdentity {
             }
         };
         add(&[motion.dt_s()]);
-        motion.numbers(&mut add);
+        motion.visit_numbers(&mut add);
         Self { name: motion.name().to_owned(), dt_s: motion.dt_s(), sha256: hex(hash) }
     }
 }

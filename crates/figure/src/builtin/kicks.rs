@@ -7,9 +7,9 @@ use glam::DVec3;
 
 use super::performer::{ArmMove, LegMove, Move, Performer, radians};
 use super::punches::raised;
-use super::script::{Cue, StrikeKind};
 use super::skeleton::{LEG_M, Side, mirror_point, mirror_turn};
 use super::stance;
+use super::strike::{Cue, StrikeKind};
 use super::timing::Beats;
 
 /// One key of a kick with the right leg; vectors in the stance's axes.

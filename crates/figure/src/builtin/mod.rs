@@ -16,6 +16,7 @@ mod script;
 mod sensors;
 mod skeleton;
 mod stance;
+mod strike;
 #[cfg(test)]
 mod tests;
 mod timing;
@@ -28,12 +29,10 @@ use script::Script;
 use sinew_host_util::random::{Random, Subject};
 use skeleton::Pose;
 use stance::{Footwork, Sway};
+use timing::RATE_HZ;
 
-pub use script::{Strike, StrikeKind};
 pub use skeleton::Side;
-
-/// Recorded frames per second; the pipeline resamples to 100.
-const RATE_HZ: f64 = 120.0;
+pub use strike::{Strike, StrikeKind};
 
 /// All built-in clips, in the order of their names' numbers, punches first.
 pub fn clips() -> Vec<Recording> {

@@ -6,9 +6,9 @@
 use glam::DVec3;
 
 use super::performer::{ArmMove, Move, Performer, radians};
-use super::script::{Cue, StrikeKind};
 use super::skeleton::{ARM_M, Side};
 use super::stance;
+use super::strike::{Cue, StrikeKind};
 use super::timing::Beats;
 
 /// One key of a punch; vectors in the stance's axes.

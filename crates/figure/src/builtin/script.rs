@@ -5,87 +5,11 @@ use sinew_host_util::random::{Random, Subject};
 
 use super::skeleton::Side;
 use super::stance::{Stance, Step};
-use super::{RATE_HZ, kicks, punches};
+use super::strike::{Cue, Strike, StrikeKind};
+use super::timing::RATE_HZ;
+use super::{kicks, punches};
 use Side::{Left as Lead, Right as Rear};
 use StrikeKind::{Cross, FrontKick, Hook, Jab, RoundhouseKick, SideKick, Uppercut};
-
-/// A kind of strike.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum StrikeKind {
-    /// Straight punch of the leading hand.
-    Jab,
-    /// Straight punch of the rear hand.
-    Cross,
-    /// Level swing with a bent arm.
-    Hook,
-    /// Rising punch with a bent arm.
-    Uppercut,
-    /// Straight kick forwards with the ball of the foot.
-    FrontKick,
-    /// Straight kick sideways with the edge of the foot.
-    SideKick,
-    /// Level swing of the leg, instep first.
-    RoundhouseKick,
-}
-
-impl StrikeKind {
-    /// Whether a leg strikes.
-    pub const fn is_kick(self) -> bool {
-        matches!(self, Self::FrontKick | Self::SideKick | Self::RoundhouseKick)
-    }
-
-    /// How much higher or lower than the key pose it may aim, as pitch.
-    const fn heights_rad(self) -> (f64, f64) {
-        match self {
-            Self::Jab | Self::Cross => (-0.08, 0.12),
-            Self::Hook | Self::Uppercut => (-0.05, 0.08),
-            Self::FrontKick => (-0.05, 0.28),
-            Self::SideKick => (-0.08, 0.18),
-            Self::RoundhouseKick => (-0.05, 0.32),
-        }
-    }
-}
-
-/// A strike that a clip holds.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Strike {
-    /// The kind.
-    pub kind: StrikeKind,
-    /// The side of the fist or foot that strikes.
-    pub side: Side,
-    /// When it leaves the guard, in seconds from the first frame.
-    pub start_s: f64,
-    /// When fist or foot is at the target.
-    pub impact_s: f64,
-    /// When the fighter is back in guard.
-    pub end_s: f64,
-}
-
-/// A strike as the performer is given it, who always leads with the left.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Cue {
-    pub kind: StrikeKind,
-    pub side: Side,
-    pub start_s: f64,
-    /// Speed as a multiple of the key poses' own.
-    pub tempo: f64,
-    /// Turn of hips and trunk as a multiple of the key poses' own.
-    pub power: f64,
-    /// Aim above the key poses' own, as pitch.
-    pub height_rad: f64,
-}
-
-impl Cue {
-    /// Impact and end, in seconds from the first frame.
-    fn timing_s(&self) -> (f64, f64) {
-        let (impact_s, end_s) = if self.kind.is_kick() {
-            kicks::timing_s(self.kind)
-        } else {
-            punches::timing_s(self.kind, self.side)
-        };
-        (self.start_s + impact_s / self.tempo, self.start_s + end_s / self.tempo)
-    }
-}
 
 /// One clip, before it is performed.
 #[derive(Debug, Clone)]
@@ -106,10 +30,31 @@ impl Script {
     pub(super) fn strikes(&self) -> impl Iterator<Item = Strike> {
         self.cues.iter().map(|cue| {
             let side = if self.lead == Side::Left { cue.side } else { cue.side.opposite() };
-            let (impact_s, end_s) = cue.timing_s();
+            let (impact_s, end_s) = timing_s(cue);
             Strike { kind: cue.kind, side, start_s: cue.start_s, impact_s, end_s }
         })
     }
+}
+
+/// Lowest and highest aim of a kind of strike against its key pose, as pitch.
+const fn heights_rad(kind: StrikeKind) -> (f64, f64) {
+    match kind {
+        Jab | Cross => (-0.08, 0.12),
+        Hook | Uppercut => (-0.05, 0.08),
+        FrontKick => (-0.05, 0.28),
+        SideKick => (-0.08, 0.18),
+        RoundhouseKick => (-0.05, 0.32),
+    }
+}
+
+/// Returns impact and end of a strike, in seconds from the first frame.
+fn timing_s(cue: &Cue) -> (f64, f64) {
+    let (impact_s, end_s) = if cue.kind.is_kick() {
+        kicks::timing_s(cue.kind)
+    } else {
+        punches::timing_s(cue.kind, cue.side)
+    };
+    (cue.start_s + impact_s / cue.tempo, cue.start_s + end_s / cue.tempo)
 }
 
 /// Ten strikes of a clip and the time for each with the step that follows.
@@ -232,7 +177,7 @@ fn script(name: String, seed: u64, lead: Side, programme: &Programme) -> Script 
     let (mut cues, mut steps) = (Vec::new(), Vec::new());
     let mut slot_s = LEAD_IN_S;
     for (kind, side) in strikes {
-        let (lowest_rad, highest_rad) = kind.heights_rad();
+        let (lowest_rad, highest_rad) = heights_rad(kind);
         let cue = Cue {
             kind,
             side,
@@ -242,7 +187,7 @@ fn script(name: String, seed: u64, lead: Side, programme: &Programme) -> Script 
             height_rad: random.between(lowest_rad, highest_rad),
         };
         slot_s += programme.slot_s;
-        let step = Step { start_s: cue.timing_s().1, end_s: slot_s, to: at };
+        let step = Step { start_s: timing_s(&cue).1, end_s: slot_s, to: at };
         at = next_stance(&mut footwork, &at, step.end_s - step.start_s);
         steps.push(Step { to: at, ..step });
         cues.push(cue);

@@ -2,6 +2,9 @@
 
 use glam::DVec3;
 
+/// Recorded frames per second; the pipeline resamples to 100.
+pub(super) const RATE_HZ: f64 = 120.0;
+
 /// A smooth function of time through keys.
 ///
 /// Each span is the quintic polynomial that meets position and speed of both of its keys with no

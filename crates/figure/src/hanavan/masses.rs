@@ -21,7 +21,7 @@ pub(super) struct Masses {
 }
 
 impl Masses {
-    pub(super) fn of(inputs: &Inputs) -> Self {
+    pub(super) fn new(inputs: &Inputs) -> Self {
         let i = inputs;
         let total = i.mass_kg.get();
         Self {

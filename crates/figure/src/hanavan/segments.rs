@@ -6,7 +6,7 @@ use super::error::{InputError, Values, values};
 use super::inputs::{Inputs, Metres};
 use super::masses::Masses;
 use super::shape::{Piece, Shape};
-use crate::placement::Part;
+use crate::placement::BodyPart;
 
 /// A segment of a subject.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,54 +31,54 @@ impl Segment {
     }
 }
 
-/// The segment of each part, in the order of [`Part::ALL`].
+/// The segment of each part, in the order of [`BodyPart::ALL`].
 ///
 /// # Errors
 /// [`InputError`] if a girth does not go round its breadth, or a mass or a density cannot be.
-pub(super) fn segments(inputs: &Inputs) -> Result<[Segment; Part::ALL.len()], InputError> {
+pub(super) fn segments(inputs: &Inputs) -> Result<[Segment; BodyPart::ALL.len()], InputError> {
     let i = inputs;
-    let masses = Masses::of(i);
-    let trunk = Trunk::of(i)?;
+    let masses = Masses::new(i);
+    let trunk = Trunk::new(i)?;
     let trunk_kg_m3 = masses.trunk / trunk.weighted_volume_m3(i);
     let make = |part| {
         let (shape, length) = match part {
-            Part::LowerTrunk => (trunk.lower, i.lower_trunk_length_m),
-            Part::MidTrunk => (trunk.mid, i.mid_trunk_length_m),
-            Part::Thorax => (trunk.upper(Piece::Middle), i.upper_trunk_length_m),
-            Part::Shoulder => (trunk.upper(Piece::Side), i.upper_trunk_length_m),
-            Part::Head => (ellipsoid(i.head_circumference_m), i.head_length_m),
-            Part::UpperArm => (
+            BodyPart::LowerTrunk => (trunk.lower, i.lower_trunk_length_m),
+            BodyPart::MidTrunk => (trunk.mid, i.mid_trunk_length_m),
+            BodyPart::Thorax => (trunk.upper(Piece::Middle), i.upper_trunk_length_m),
+            BodyPart::Shoulder => (trunk.upper(Piece::Side), i.upper_trunk_length_m),
+            BodyPart::Head => (ellipsoid(i.head_circumference_m), i.head_length_m),
+            BodyPart::UpperArm => (
                 cone(i.axillary_arm_circumference_m, i.elbow_circumference_m),
                 i.upper_arm_length_m,
             ),
-            Part::Forearm => {
+            BodyPart::Forearm => {
                 (cone(i.elbow_circumference_m, i.wrist_circumference_m), i.forearm_length_m)
             }
-            Part::Hand => (ellipsoid(i.fist_circumference_m), i.wrist_to_knuckle_m),
-            Part::Thigh => (thigh(i)?, i.thigh_length_m),
-            Part::Shank => {
+            BodyPart::Hand => (ellipsoid(i.fist_circumference_m), i.wrist_to_knuckle_m),
+            BodyPart::Thigh => (thigh(i)?, i.thigh_length_m),
+            BodyPart::Shank => {
                 (cone(i.knee_circumference_m, i.ankle_circumference_m), i.shank_length_m)
             }
-            Part::Foot => (foot(i)?, i.foot_length_m),
+            BodyPart::Foot => (foot(i)?, i.foot_length_m),
         };
         let length_m = length.get();
         let volume_m3 = shape.solid(length_m).volume_m3;
         let mass_kg = match part {
-            Part::LowerTrunk | Part::MidTrunk => trunk_kg_m3 * ABDOMEN * volume_m3,
-            Part::Thorax | Part::Shoulder => trunk_kg_m3 * THORAX * volume_m3,
-            Part::Head => masses.head,
-            Part::UpperArm => masses.upper_arm,
-            Part::Forearm => masses.forearm,
-            Part::Hand => masses.hand,
-            Part::Thigh => masses.thigh,
-            Part::Shank => masses.shank,
-            Part::Foot => masses.foot,
+            BodyPart::LowerTrunk | BodyPart::MidTrunk => trunk_kg_m3 * ABDOMEN * volume_m3,
+            BodyPart::Thorax | BodyPart::Shoulder => trunk_kg_m3 * THORAX * volume_m3,
+            BodyPart::Head => masses.head,
+            BodyPart::UpperArm => masses.upper_arm,
+            BodyPart::Forearm => masses.forearm,
+            BodyPart::Hand => masses.hand,
+            BodyPart::Thigh => masses.thigh,
+            BodyPart::Shank => masses.shank,
+            BodyPart::Foot => masses.foot,
         };
         let segment = Segment { shape, length_m, mass_kg };
         check(part, i, &segment)?;
         Ok(segment)
     };
-    let made = Part::ALL.into_iter().map(make).collect::<Result<Vec<_>, _>>()?;
+    let made = BodyPart::ALL.into_iter().map(make).collect::<Result<Vec<_>, _>>()?;
     Ok(core::array::from_fn(|part| made[part]))
 }
 
@@ -95,7 +95,7 @@ struct Trunk {
 }
 
 impl Trunk {
-    fn of(i: &Inputs) -> Result<Self, InputError> {
+    fn new(i: &Inputs) -> Result<Self, InputError> {
         let upper_a_m = half_breadth(&values!(i; chest_breadth_m, xyphion_breadth_m));
         let upper_b_m = other_semi_axis(
             "upper trunk",
@@ -196,7 +196,7 @@ fn other_semi_axis(
 /// Densities that a segment may have in kg/m³: outside of it one of its inputs is in another unit, or wrong.
 const DENSITY_KG_M3: core::ops::RangeInclusive<f64> = 850.0..=1250.0;
 
-fn check(part: Part, inputs: &Inputs, segment: &Segment) -> Result<(), InputError> {
+fn check(part: BodyPart, inputs: &Inputs, segment: &Segment) -> Result<(), InputError> {
     let (name, values) = measured(part, inputs);
     let mass_kg = segment.mass_kg;
     if mass_kg <= 0.0 {
@@ -211,43 +211,43 @@ fn check(part: Part, inputs: &Inputs, segment: &Segment) -> Result<(), InputErro
 }
 
 /// Name of a part, and the inputs that its mass and its shape are computed from.
-fn measured(part: Part, i: &Inputs) -> (&'static str, Values) {
+fn measured(part: BodyPart, i: &Inputs) -> (&'static str, Values) {
     match part {
         // They share one mass, so that each density depends on all.
-        Part::LowerTrunk | Part::MidTrunk | Part::Thorax | Part::Shoulder => (
+        BodyPart::LowerTrunk | BodyPart::MidTrunk | BodyPart::Thorax | BodyPart::Shoulder => (
             "trunk",
             values!(i; mass_kg, trunk_length_m, upper_trunk_length_m, mid_trunk_length_m,
                 lower_trunk_length_m, chest_circumference_m, xyphion_circumference_m,
                 omphalion_circumference_m, hip_circumference_m, chest_breadth_m, xyphion_breadth_m,
                 omphalion_breadth_m, hip_breadth_m),
         ),
-        Part::Head => ("head", values!(i; mass_kg, head_length_m, head_circumference_m)),
-        Part::UpperArm => (
+        BodyPart::Head => ("head", values!(i; mass_kg, head_length_m, head_circumference_m)),
+        BodyPart::UpperArm => (
             "upper arm",
             values!(i; mass_kg, upper_arm_length_m, axillary_arm_circumference_m,
                 elbow_circumference_m),
         ),
-        Part::Forearm => (
+        BodyPart::Forearm => (
             "forearm",
             values!(i; forearm_length_m, forearm_circumference_m, elbow_circumference_m,
                 wrist_circumference_m),
         ),
-        Part::Hand => (
+        BodyPart::Hand => (
             "hand",
             values!(i; wrist_to_knuckle_m, fist_circumference_m, wrist_circumference_m,
                 wrist_breadth_m),
         ),
-        Part::Thigh => (
+        BodyPart::Thigh => (
             "thigh",
             values!(i; mass_kg, thigh_length_m, upper_thigh_circumference_m, upper_thigh_depth_m,
                 knee_circumference_m),
         ),
-        Part::Shank => (
+        BodyPart::Shank => (
             "shank",
             values!(i; shank_length_m, calf_circumference_m, knee_circumference_m,
                 ankle_circumference_m),
         ),
-        Part::Foot => (
+        BodyPart::Foot => (
             "foot",
             values!(i; mass_kg, foot_length_m, heel_circumference_m, ball_circumference_m,
                 toe_circumference_m, ankle_circumference_m, foot_breadth_m, toe_breadth_m),

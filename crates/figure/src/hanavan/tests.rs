@@ -1,7 +1,9 @@
 use glam::{DMat3, DVec3};
 
 use super::*;
+use crate::error::BodyModelError;
 use crate::fixture::standing;
+use crate::model::BodyModel;
 use crate::placement::named;
 use crate::plant::MassProperties;
 use crate::{BODIES, FigureMotion, Root, de_leva_mass_fraction, solids};
@@ -70,7 +72,10 @@ fn the_built_in_subject_weighs_what_was_computed_by_hand() {
 fn normalised_masses_sum_to_the_given_one() {
     let normalised = subject(&["normalise = true"]);
     assert!((normalised.mass_kg() - 75.0).abs() < 1e-12);
-    let (plain, own) = (Subject::built_in().figure().unwrap(), normalised.figure().unwrap());
+    let (plain, own) = (
+        BodyModel::from_subject(Subject::built_in()).unwrap(),
+        BodyModel::from_subject(&normalised).unwrap(),
+    );
     let factor = 75.0 / Subject::built_in().mass_kg();
     for (plain, own) in plain.bodies.iter().zip(&own.bodies) {
         assert!((own.mass_kg / plain.mass_kg - factor).abs() < 1e-14);
@@ -103,7 +108,7 @@ fn together(bodies: &[(DVec3, &MassProperties)]) -> MassProperties {
 fn thorax_and_clavicles_are_the_upper_trunks_column() {
     let subject = Subject::built_in();
     let motion = standing();
-    let own = subject.figure().unwrap();
+    let own = BodyModel::from_subject(subject).unwrap();
     let on_clip = BodyModel::hanavan_kwon(&motion, subject).unwrap();
     let legs = |motion: &FigureMotion| -> f64 {
         motion.segment_end_m[12].length() + motion.segment_end_m[13].length()
@@ -136,7 +141,7 @@ fn thorax_and_clavicles_are_the_upper_trunks_column() {
 /// Frames as documented: x left, y up, z forward.
 #[test]
 fn the_own_figure_stands_upright() {
-    let model = Subject::built_in().figure().unwrap();
+    let model = BodyModel::from_subject(Subject::built_in()).unwrap();
     let [thigh, foot, abdomen, hand] = named(["thigh_l", "foot_r", "abdomen", "hand_r"]);
     assert_eq!(model.offset_m[thigh], DVec3::new(0.085, 0.0, 0.0));
     assert!(model.bodies[abdomen].center_of_mass_m.y > 0.1);
@@ -156,7 +161,7 @@ fn the_own_figure_stands_upright() {
 #[test]
 fn the_own_figure_scales() {
     let subject = Subject::built_in();
-    let own = subject.figure().unwrap();
+    let own = BodyModel::from_subject(subject).unwrap();
     for scale in [0.1, 1.0, 1.3, 10.0] {
         let scaled = own.scaled(scale);
         scaled.mechanism(Root::Driven).tree::<18>().unwrap();

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use sinew_host_util::parse_message;
 use sinew_mocap::skeleton_map::{BodyJoints, Signature};
-use sinew_mocap::{Kind, SkeletonMap, Up, read};
+use sinew_mocap::{Kind, Recording, SkeletonMap, Up, read};
 
 use crate::{BODIES, BODY_COUNT};
 
@@ -75,6 +75,17 @@ pub enum Error {
         /// The skeleton's joints.
         found: String,
     },
+}
+
+/// Neither the file nor its mapping tells the frame rate.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "the file does not tell its frame rate, and neither does mapping `{mapping}`: expected \
+     `rate_hz = 120` or the like in the mapping"
+)]
+pub struct NoRate {
+    /// Name of the mapping.
+    pub mapping: String,
 }
 
 /// What of a mapping does not fit a skeleton.
@@ -157,22 +168,6 @@ impl Mapping {
         toml::from_str(text)
     }
 
-    /// What `--mapping` says: a mapping file, else the name of a known skeleton.
-    ///
-    /// # Errors
-    /// [`Error::NoSuchMapping`] if it is neither; those of [`read`](Self::read).
-    pub fn named(path: &Path) -> Result<Self, Error> {
-        if path.exists() {
-            return Self::read(path);
-        }
-        let known = super::known();
-        let found = known.iter().find(|known| path.to_str() == Some(&known.mapping.name));
-        found.map(|known| known.mapping.clone()).ok_or_else(|| Error::NoSuchMapping {
-            path: path.to_path_buf(),
-            known: super::known::names(known.iter().map(|known| &known.mapping)),
-        })
-    }
-
     /// Reads the mapping file at `path`.
     ///
     /// # Errors
@@ -184,6 +179,15 @@ impl Mapping {
         let text = read::text_of(path, expected, &[Kind::FigureMapping, Kind::Toml])
             .map_err(|source| Error::Io { file: file(), source })?;
         Self::parse(&text).map_err(|source| Error::Toml { file: file(), source: Box::new(source) })
+    }
+
+    /// Time between the frames of a recording, in seconds: its own, or else the mapping's.
+    ///
+    /// # Errors
+    /// [`NoRate`] if nobody tells the rate.
+    pub fn frame_time_s(&self, recording: &Recording) -> Result<f64, NoRate> {
+        let told_s = recording.frame_time_s.or(self.rate_hz.map(f64::recip));
+        told_s.ok_or_else(|| NoRate { mapping: self.name.clone() })
     }
 }
 

@@ -1,15 +1,16 @@
 //! The skeletons that are known, and by what.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 use std::sync::LazyLock;
 
 use sinew_mocap::Skeleton;
 
-use super::{Error, Mapping};
+use super::file::{Error, Mapping};
 
 /// A known skeleton.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Known {
+pub struct KnownSkeleton {
     /// What it is, in a line.
     pub about: &'static str,
     /// Its mapping.
@@ -17,8 +18,8 @@ pub struct Known {
 }
 
 /// Every skeleton that is known.
-pub fn known() -> &'static [Known] {
-    static KNOWN: LazyLock<Vec<Known>> = LazyLock::new(|| {
+pub fn known_skeletons() -> &'static [KnownSkeleton] {
+    static KNOWN: LazyLock<Vec<KnownSkeleton>> = LazyLock::new(|| {
         macro_rules! mappings {
             ($($name:literal),* $(,)?) => {
                 [$(include_str!(concat!("../../mappings/", $name, ".toml"))),*]
@@ -47,13 +48,31 @@ pub fn known() -> &'static [Known] {
             "makehuman_walks",
             "second_life",
         );
-        let read = |text: &'static str| Known {
+        let read = |text: &'static str| KnownSkeleton {
             about: about(text),
             mapping: Mapping::parse(text).expect("the tests read every file"),
         };
         files.into_iter().map(read).collect()
     });
     &KNOWN
+}
+
+impl Mapping {
+    /// What `--mapping` says: a mapping file, else the name of a known skeleton.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchMapping`] if it is neither; those of [`read`](Self::read).
+    pub fn named(path: &Path) -> Result<Self, Error> {
+        if path.exists() {
+            return Self::read(path);
+        }
+        let known = known_skeletons();
+        let found = known.iter().find(|known| path.to_str() == Some(&known.mapping.name));
+        found.map(|known| known.mapping.clone()).ok_or_else(|| Error::NoSuchMapping {
+            path: path.to_path_buf(),
+            known: names(known.iter().map(|known| &known.mapping)),
+        })
+    }
 }
 
 /// The first sentence of a file's comment, as far as its first line goes.
@@ -68,7 +87,7 @@ fn matching(skeleton: &Skeleton) -> Vec<&'static Mapping> {
         let of = [&signature.joints, &signature.zero_offsets, &signature.nonzero_offsets];
         of.iter().map(|joints| joints.len()).sum::<usize>()
     };
-    let all = known().iter().map(|known| &known.mapping);
+    let all = known_skeletons().iter().map(|known| &known.mapping);
     let mut matching: Vec<_> = all.filter(|mapping| mapping.signature.matches(skeleton)).collect();
     let most = matching.iter().map(|mapping| asks(mapping)).max();
     matching.retain(|mapping| Some(asks(mapping)) == most);
@@ -86,8 +105,8 @@ pub fn choose(skeleton: &Skeleton) -> Result<&'static Mapping, Error> {
         [mapping] => Ok(mapping),
         [] => Err(Error::NoneMatches {
             found: joint_names(skeleton),
-            tried: names(known().iter().map(|known| &known.mapping)),
-            nearest: nearest(skeleton).map_or_else(String::new, |(mapping, lacking)| {
+            tried: names(known_skeletons().iter().map(|known| &known.mapping)),
+            nearest: find_nearest(skeleton).map_or_else(String::new, |(mapping, lacking)| {
                 let why = if lacking.is_empty() {
                     "all of its joints are there, but other offsets are zero".to_owned()
                 } else {
@@ -117,11 +136,11 @@ pub(super) fn joint_names(skeleton: &Skeleton) -> String {
 
 /// The known mapping that is the skeleton's own, else the one of whose signature's joints `skeleton` has the largest
 /// share, behind any prefix; and those it lacks.
-pub fn nearest(skeleton: &Skeleton) -> Option<(&'static Mapping, Vec<&'static str>)> {
+pub fn find_nearest(skeleton: &Skeleton) -> Option<(&'static Mapping, Vec<&'static str>)> {
     if let [own, ..] = matching(skeleton)[..] {
         return Some((own, Vec::new()));
     }
-    known()
+    known_skeletons()
         .iter()
         .map(|known| (&known.mapping, lacking(&known.mapping, skeleton)))
         .filter(|(mapping, lacking)| lacking.len() < mapping.signature.joints.len())

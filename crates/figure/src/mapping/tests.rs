@@ -1,8 +1,9 @@
-use sinew_mocap::SkeletonJoint;
+use glam::{DQuat, DVec3};
 use sinew_mocap::skeleton_map::End;
+use sinew_mocap::{Clip, JointSample, Skeleton, SkeletonJoint};
 
 use super::*;
-use crate::Body;
+use crate::body::{BODIES, Body};
 
 /// A chain of joints, each 1 m above the last, with an end site 0.5 m above its top.
 fn chain(names: &[&str]) -> Skeleton {
@@ -30,7 +31,8 @@ fn message(file: &str) -> String {
 
 #[test]
 fn knows_skeletons_by_different_names() {
-    let names: Vec<&str> = known().iter().map(|known| known.mapping.name.as_str()).collect();
+    let names: Vec<&str> =
+        known_skeletons().iter().map(|known| known.mapping.name.as_str()).collect();
     let expected = [
         "sinew",
         "cgspeed_mb",
@@ -55,7 +57,7 @@ fn knows_skeletons_by_different_names() {
         "second_life",
     ];
     assert_eq!(names, expected);
-    for Known { about, mapping } in known() {
+    for KnownSkeleton { about, mapping } in known_skeletons() {
         let fits = about.len() > 10 && about.len() < 100 && about.ends_with('.');
         assert!(fits, "{}: {about:?}", mapping.name);
     }
@@ -65,7 +67,7 @@ fn knows_skeletons_by_different_names() {
 /// prefix.
 #[test]
 fn known_skeletons_are_known_behind_any_prefix() {
-    for Known { mapping, .. } in known() {
+    for KnownSkeleton { mapping, .. } in known_skeletons() {
         let signature = &mapping.signature;
         for prefix in ["", "mixamorig7:", "mixamorig", "Armature|Actor_"] {
             let mut names: Vec<String> = Vec::new();
@@ -139,7 +141,9 @@ fn names_joints_and_mappings_when_none_matches() {
 
 #[test]
 fn names_the_nearest_mapping_and_what_it_lacks() {
-    let of = |name: &str| &known().iter().find(|known| known.mapping.name == name).unwrap().mapping;
+    let of = |name: &str| {
+        &known_skeletons().iter().find(|known| known.mapping.name == name).unwrap().mapping
+    };
     let mut names: Vec<&str> = of("geno")
         .signature
         .joints
@@ -154,7 +158,7 @@ fn names_the_nearest_mapping_and_what_it_lacks() {
     assert!(error.contains("finger_29 and 30 more (tried"), "{error}");
     let prefixed: Vec<String> = names.iter().map(|name| format!("rig7:{name}")).collect();
     let prefixed: Vec<&str> = prefixed.iter().map(String::as_str).collect();
-    let (mapping, lacking) = nearest(&chain(&prefixed)).unwrap();
+    let (mapping, lacking) = find_nearest(&chain(&prefixed)).unwrap();
     assert_eq!((mapping.name.as_str(), lacking), ("geno", vec!["Neck1"]));
     let names: Vec<&str> = of("bandai").signature.joints.iter().map(String::as_str).collect();
     assert_eq!(choose(&chain(&names)).unwrap().name, "bandai");
@@ -201,7 +205,9 @@ fn refuses_a_body_that_does_not_move_with_its_parent() {
 
 #[test]
 fn tells_skeletons_of_the_same_names_apart_by_their_offsets() {
-    let of = |name: &str| &known().iter().find(|known| known.mapping.name == name).unwrap().mapping;
+    let of = |name: &str| {
+        &known_skeletons().iter().find(|known| known.mapping.name == name).unwrap().mapping
+    };
     let (zero, nonzero) = (of("cgspeed_mb"), of("asfamc"));
     let mut names: Vec<&str> = zero.signature.joints.iter().map(String::as_str).collect();
     names.extend(["LeftShoulder", "RightShoulder"]);

@@ -10,26 +10,18 @@ use glam::DVec3;
 use sinew_mocap::{Recording, Up, axis_name};
 use sinew_retarget::skeleton::{BODY_HEIGHT_M, SkeletonMatch};
 
-use crate::mapping::Mapping;
+use unit::short;
 
+pub use unit::MappingSource;
 pub use up::UpGuess;
 
 /// What the user says of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Told {
+pub struct UnitOverrides {
     /// Length of its unit, in metres.
     pub metres_per_unit: Option<f64>,
     /// The axis that points up.
     pub up: Option<Up>,
-}
-
-/// A mapping that a recording is read by.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct By<'a> {
-    /// The mapping.
-    pub mapping: &'a Mapping,
-    /// Whether the user gave it: then its unit is the user's word, not what files of this skeleton usually have.
-    pub is_given: bool,
 }
 
 /// Unit, up and height of a recording.
@@ -56,29 +48,35 @@ impl Measured {
     pub fn new(
         recording: &Recording,
         matched: &SkeletonMatch,
-        by: Option<By<'_>>,
-        told: Told,
+        by: Option<MappingSource<'_>>,
+        units: UnitOverrides,
     ) -> Self {
         let of_mapping = by.and_then(|by| Some((by.mapping.up?, "as the mapping says")));
-        Self::by_word(recording, matched, by, told, of_mapping)
+        Self::with_word(recording, matched, by, units, of_mapping)
     }
 
     /// Measures the rest pose of what comes in metres with y up: so its format says.
     pub fn of_format(rest: &Recording, matched: &SkeletonMatch) -> Self {
-        Self::by_word(rest, matched, None, Told::default(), Some((Up::Y, "as its format says")))
+        Self::with_word(
+            rest,
+            matched,
+            None,
+            UnitOverrides::default(),
+            Some((Up::Y, "as its format says")),
+        )
     }
 
-    fn by_word(
+    fn with_word(
         recording: &Recording,
         matched: &SkeletonMatch,
-        by: Option<By<'_>>,
-        told: Told,
+        by: Option<MappingSource<'_>>,
+        units: UnitOverrides,
         said: Option<(Up, &str)>,
     ) -> Self {
-        let up = UpGuess::of(recording, matched, told.up, said);
+        let up = UpGuess::new(recording, matched, units.up, said);
         let body = matched.unit.as_ref().map(|unit| unit.height).filter(|height| *height > 0.0);
         let (metres_per_unit, unit_reason) =
-            match unit::of(recording, matched, by, told.metres_per_unit) {
+            match unit::find(recording, matched, by, units.metres_per_unit) {
                 Ok((metres, reason)) => (Some(metres), reason),
                 Err(reason) => (None, reason),
             };
@@ -157,12 +155,6 @@ impl Display for Measured {
         }
         write!(f, "; {} is up ({})", axis_name(self.up.axis), self.up.reason)
     }
-}
-
-/// A number of metres with as many digits as a person needs.
-fn short(metres: f64) -> String {
-    let text = format!("{metres:.6}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// Extents of a recording's joints and ends in its first whole frame, else at rest: along up, and the largest across.

@@ -56,38 +56,38 @@ fn with_root(mut recording: Recording, place: DVec3, turn: DQuat) -> Recording {
     recording
 }
 
-fn measured(recording: &Recording, told: Told) -> Measured {
-    Measured::new(recording, &SkeletonMatch::of_recording(recording), None, told)
+fn measured(recording: &Recording, units: UnitOverrides) -> Measured {
+    Measured::new(recording, &SkeletonMatch::of_recording(recording), None, units)
 }
 
 #[test]
 fn the_unit_is_guessed_from_the_height_and_else_asked_for() {
     for (height, unit) in [(1.7, 1.0), (170.0, 0.01), (1700.0, 0.001), (67.0, 0.0254), (17.0, 0.1)]
     {
-        let measured = measured(&person(height, DVec3::Y), Told::default());
+        let measured = measured(&person(height, DVec3::Y), UnitOverrides::default());
         assert_eq!(measured.metres_per_unit, Some(unit), "{measured}");
         assert!((1.5..1.9).contains(&measured.height_m().unwrap()), "{measured}");
         assert!(measured.warnings().is_empty(), "{measured}");
     }
     // 7 cm in metres, 40 of what can be inches or CMU's unit.
     for height in [0.07, 40.0] {
-        let measured = measured(&person(height, DVec3::Y), Told::default());
+        let measured = measured(&person(height, DVec3::Y), UnitOverrides::default());
         let refused = measured.unit().unwrap_err();
         assert!(refused.ends_with("; give it with --metres-per-unit"), "{refused}");
     }
-    let told = Told { metres_per_unit: Some(1.0), up: None };
-    let small = measured(&person(0.07, DVec3::Y), told);
+    let units = UnitOverrides { metres_per_unit: Some(1.0), up: None };
+    let small = measured(&person(0.07, DVec3::Y), units);
     assert!(small.warnings()[0].contains("0.5 to 2.5 m is believable"), "{:?}", small.warnings());
 }
 
 #[test]
 fn a_known_skeleton_in_another_unit_is_noticed() {
-    let m21 = mapping::known().iter().find(|known| known.mapping.name == "m21").unwrap();
+    let m21 = mapping::known_skeletons().iter().find(|known| known.mapping.name == "m21").unwrap();
     let unit = |height, is_given| {
         let recording = person(height, DVec3::Y);
         let matched = SkeletonMatch::of_recording(&recording);
-        let by = By { mapping: &m21.mapping, is_given };
-        Measured::new(&recording, &matched, Some(by), Told::default()).metres_per_unit
+        let by = MappingSource { mapping: &m21.mapping, is_given };
+        Measured::new(&recording, &matched, Some(by), UnitOverrides::default()).metres_per_unit
     };
     assert_eq!(unit(170.0, false), Some(0.01));
     // Half a metre tall in centimetres, a person in inches.
@@ -100,7 +100,7 @@ fn a_known_skeleton_in_another_unit_is_noticed() {
 
 #[test]
 fn z_is_up_where_the_body_stands_along_it() {
-    let up = |recording: &Recording| measured(recording, Told::default()).up;
+    let up = |recording: &Recording| measured(recording, UnitOverrides::default()).up;
     let at = |place| with_root(person(1.7, DVec3::Z), place, DQuat::IDENTITY);
     for recording in [person(1.7, DVec3::Z), at(DVec3::new(3.0, 2.0, 0.92))] {
         let up = up(&recording);
@@ -116,7 +116,7 @@ fn z_is_up_where_the_body_stands_along_it() {
     let standing = with_root(person(1.7, DVec3::Y), DVec3::new(3.0, 2.0, 0.9), turned);
     let found = up(&standing);
     assert_eq!((found.axis, found.rest), (DVec3::Z, DVec3::Y), "{}", found.reason);
-    let upright = measured(&standing, Told::default()).apply(standing).unwrap();
+    let upright = measured(&standing, UnitOverrides::default()).apply(standing).unwrap();
     let root = upright.frames[0][0].unwrap();
     assert!((root.rotation * DVec3::Y).distance(DVec3::Y) < 1e-12);
     assert!((root.position_m.y - 0.9).abs() < 1e-12);
@@ -125,6 +125,6 @@ fn z_is_up_where_the_body_stands_along_it() {
     let found = up(&lying);
     assert_eq!(found.axis, DVec3::Y, "{}", found.reason);
     assert!(found.doubt.unwrap().contains("from feet to head is along z"));
-    let told = Told { metres_per_unit: None, up: Some(Up::Z) };
-    assert_eq!(measured(&lying, told).up.axis, DVec3::Z);
+    let units = UnitOverrides { metres_per_unit: None, up: Some(Up::Z) };
+    assert_eq!(measured(&lying, units).up.axis, DVec3::Z);
 }

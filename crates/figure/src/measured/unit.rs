@@ -3,17 +3,26 @@
 use sinew_mocap::Recording;
 use sinew_retarget::skeleton::{BODY_HEIGHT_M, SkeletonMatch};
 
-use super::{By, short};
+use crate::mapping::Mapping;
+
+/// A mapping that a recording is read by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MappingSource<'a> {
+    /// The mapping.
+    pub mapping: &'a Mapping,
+    /// Whether the user gave it: then its unit is the user's word, not what files of this skeleton usually have.
+    pub is_given: bool,
+}
 
 /// The unit in metres and why: the user's, the file's own, the given mapping's, else that of the known skeleton's files
 /// where it makes a believable body, else by the body's height.
 ///
 /// # Errors
 /// Why nothing tells it.
-pub(super) fn of(
+pub(super) fn find(
     recording: &Recording,
     matched: &SkeletonMatch,
-    by: Option<By<'_>>,
+    by: Option<MappingSource<'_>>,
     given: Option<f64>,
 ) -> Result<(f64, String), String> {
     if let Some(metres) = given {
@@ -24,7 +33,7 @@ pub(super) fn of(
     }
     let guess = matched.unit.as_ref();
     let by_height = guess.and_then(|unit| Some((unit.metres_per_unit?, unit.reason.clone())));
-    if let Some(By { mapping, is_given }) = by {
+    if let Some(MappingSource { mapping, is_given }) = by {
         let metres = mapping.metres_per_unit;
         let why = if is_given { "as the mapping says" } else { "as other files of this skeleton" };
         // A guess by height can only contradict where there is a body.
@@ -56,4 +65,10 @@ pub(super) fn of(
 /// Whether two lengths are one unit but for rounding: CMU's is written with six digits.
 fn same_unit(a: f64, b: f64) -> bool {
     (a / b - 1.0).abs() < 1e-3
+}
+
+/// A number of metres with as many digits as a person needs.
+pub(super) fn short(metres: f64) -> String {
+    let text = format!("{metres:.6}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }

@@ -34,10 +34,10 @@ impl UpGuess {
     ///
     /// Another axis than y is believed where the rest pose stands along it too, or where the body stands on the floor
     /// that lies across it: somebody who lies, crawls or stands on their hands does neither.
-    pub(super) fn of(
+    pub(super) fn new(
         recording: &Recording,
         matched: &SkeletonMatch,
-        told: Option<Up>,
+        units: Option<Up>,
         said: Option<(Up, &str)>,
     ) -> Self {
         let rest = rest_up(&recording.skeleton, matched);
@@ -48,7 +48,7 @@ impl UpGuess {
             reason: reason.to_owned(),
             doubt,
         };
-        if let Some(up) = told {
+        if let Some(up) = units {
             return found(up.axis(), "as you say", lies(matched, up.axis()));
         }
         if let Some((up, who)) = said {

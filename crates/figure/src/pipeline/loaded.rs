@@ -34,7 +34,7 @@ pub fn load_clip(file: &ClipFile, settings: &Settings) -> Result<(LoadedClip, Ve
     let of_mapping =
         |source: mapping::Error| Error::Mapping { clip: name(), source: source.into() };
     // A skeleton that is no human's has none.
-    let found = mapping::found(&recording, settings.mapping.as_ref()).ok();
+    let found = mapping::find_mapping(&recording, settings.mapping.as_ref()).ok();
     let (mapping, proposed) =
         found.map_or((None, None), |found| (Some(found.mapping.into_owned()), found.proposed));
     let told_s = recording.frame_time_s.or_else(|| mapping.as_ref()?.rate_hz.map(f64::recip));

@@ -18,8 +18,8 @@ use sinew_mocap::{Recording, format};
 use sinew_retarget::skeleton::SkeletonMatch;
 
 use crate::FigureMotion;
-use crate::mapping::{self, Binding, Found, Mapping, NoRate, Proposed, UnlikeSides};
-use crate::measured::{By, Measured, Told};
+use crate::mapping::{self, Binding, ChosenMapping, Mapping, NoRate, Proposal, UnlikeSides};
+use crate::measured::{MappingSource, Measured, UnitOverrides};
 
 pub use loaded::{LoadedClip, load_clip};
 
@@ -40,7 +40,7 @@ pub struct Settings {
     /// The mapping of all clips; `None` to choose a known one by the skeleton.
     pub mapping: Option<Mapping>,
     /// What the user says of the files.
-    pub told: Told,
+    pub units: UnitOverrides,
 }
 
 impl Default for Settings {
@@ -52,7 +52,7 @@ impl Default for Settings {
             lead_in_s: 0.1,
             gap_max_s: 0.5,
             mapping: None,
-            told: Told::default(),
+            units: UnitOverrides::default(),
         }
     }
 }
@@ -77,7 +77,7 @@ pub enum Notice {
     },
     /// Nobody wrote the mapping.
     #[error("{0}")]
-    MappingProposed(Proposed),
+    MappingProposed(Proposal),
     /// Frame 0 was left out.
     #[error("skipped frame 0, an inserted T-pose")]
     TPoseSkipped,
@@ -270,10 +270,13 @@ pub fn load(file: &ClipFile, settings: &Settings) -> Result<Recording, Error> {
 }
 
 /// Reads one recording, and finds its mapping.
-fn read<'a>(file: &ClipFile, settings: &'a Settings) -> Result<(Recording, Found<'a>), Error> {
+fn read<'a>(
+    file: &ClipFile,
+    settings: &'a Settings,
+) -> Result<(Recording, ChosenMapping<'a>), Error> {
     let recording = Recording { name: file.name.clone(), ..format::read(&file.path)? };
     let clip = || file.path.display().to_string();
-    let found = mapping::found(&recording, settings.mapping.as_ref())
+    let found = mapping::find_mapping(&recording, settings.mapping.as_ref())
         .map_err(|source| Error::Mapping { clip: clip(), source: source.into() })?;
     Ok((recording, found))
 }
@@ -302,8 +305,8 @@ pub fn prepare(
     let name = recording.name.clone();
     let of_mapping =
         |source: mapping::Error| Error::Mapping { clip: name.clone(), source: source.into() };
-    let Found { mapping, proposed } =
-        mapping::found(&recording, settings.mapping.as_ref()).map_err(of_mapping)?;
+    let ChosenMapping { mapping, proposed } =
+        mapping::find_mapping(&recording, settings.mapping.as_ref()).map_err(of_mapping)?;
     let mapping = &*mapping;
     let frame_time_s = mapping
         .frame_time_s(&recording)
@@ -385,8 +388,8 @@ fn in_metres(
     clip: &str,
 ) -> Result<(Recording, Measured), Error> {
     let matched = SkeletonMatch::of_recording(&recording);
-    let by = known.map(|mapping| By { mapping, is_given: settings.mapping.is_some() });
-    let measured = Measured::new(&recording, &matched, by, settings.told).or_unit(otherwise);
+    let by = known.map(|mapping| MappingSource { mapping, is_given: settings.mapping.is_some() });
+    let measured = Measured::new(&recording, &matched, by, settings.units).or_unit(otherwise);
     let refused = |reason| Error::Unit { clip: clip.to_owned(), reason };
     Ok((measured.apply(recording).map_err(refused)?, measured))
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use glam::{DQuat, DVec3};
 use sinew_figure::mapping;
-use sinew_figure::measured::{By, Measured};
+use sinew_figure::measured::{MappingSource, Measured};
 use sinew_mocap::damage::check_bones;
 use sinew_mocap::{
     JointSample, Kind, Recording, Skeleton, SkeletonJoint, format, forward_kinematics,
@@ -40,8 +40,8 @@ pub(super) fn read(path: &Path, options: &Options) -> Result<Character, Error> {
 fn character(recording: Recording, options: &Options) -> Result<Character, Refusal> {
     let matched = SkeletonMatch::of_recording(&recording);
     let known = mapping::choose(&recording.skeleton).ok();
-    let by = known.map(|mapping| By { mapping, is_given: false });
-    let measured = Measured::new(&recording, &matched, by, options.told);
+    let by = known.map(|mapping| MappingSource { mapping, is_given: false });
+    let measured = Measured::new(&recording, &matched, by, options.units);
     let unit = |reason| refuse("the skeleton", "one whose unit of length is known", reason);
     let recording = measured.apply(recording).map_err(unit)?;
     check_bones(&recording, BONE_MAX_M)

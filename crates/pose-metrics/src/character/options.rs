@@ -1,6 +1,6 @@
 //! What the user says of a file.
 
-use sinew_figure::measured::Told;
+use sinew_figure::measured::UnitOverrides;
 
 use super::error::{Refusal, refuse};
 
@@ -8,7 +8,7 @@ use super::error::{Refusal, refuse};
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Options {
     /// The length of its unit, and which axis points up.
-    pub told: Told,
+    pub told: UnitOverrides,
     /// The frame of a motion whose pose is the rest pose; without, all rotations are zero.
     pub frame: Option<usize>,
 }

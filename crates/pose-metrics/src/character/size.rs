@@ -1,7 +1,7 @@
 //! How large a character is and which way up: as its format says, as the user says, and whether that is believable.
 
 use glam::DVec3;
-use sinew_figure::measured::{Measured, Told};
+use sinew_figure::measured::{Measured, UnitOverrides};
 use sinew_mocap::{Recording, Skeleton, SkeletonJoint, to_y};
 use sinew_retarget::skeleton::SkeletonMatch;
 
@@ -76,25 +76,25 @@ impl Character {
 /// [`Refusal`] for a bone longer than any body.
 pub(super) fn of_format(
     character: Character,
-    told: Told,
+    units: UnitOverrides,
     in_character: fn(DVec3) -> DVec3,
     is_rig: bool,
 ) -> Result<Character, Refusal> {
-    let up = told.up.map_or(DVec3::Y, |up| in_character(up.axis()));
-    let mut character = character.placed(told.metres_per_unit.unwrap_or(1.0), up);
-    if told.metres_per_unit.is_none() && !is_rig {
+    let up = units.up.map_or(DVec3::Y, |up| in_character(up.axis()));
+    let mut character = character.placed(units.metres_per_unit.unwrap_or(1.0), up);
+    if units.metres_per_unit.is_none() && !is_rig {
         character.check_bones()?;
     }
     let rest = character.at_rest();
     let mut measured = Measured::of_format(&rest, &SkeletonMatch::new(&rest.skeleton, &[]));
     // Robots are of any size.
     measured.is_body &= !is_rig;
-    if let Some(metres_per_unit) = told.metres_per_unit {
+    if let Some(metres_per_unit) = units.metres_per_unit {
         measured.height_units /= metres_per_unit;
         measured.metres_per_unit = Some(metres_per_unit);
         "as you say".clone_into(&mut measured.unit_reason);
     }
-    if told.up.is_some() {
+    if units.up.is_some() {
         "after the turn that you asked for".clone_into(&mut measured.up.reason);
     }
     let size = std::iter::once(measured.to_string()).chain(measured.warnings());

@@ -12,7 +12,7 @@ use clap::ValueEnum as _;
 use cpu_time::ProcessTime;
 use glam::{DMat3, DVec3};
 use peak_alloc::PeakAlloc;
-use sinew_evaluation::{MethodName, Protocol, evaluate, run, steps_of_all};
+use sinew_evaluation::{MethodName, Protocol, Run, count_all_steps, evaluate};
 use sinew_figure::builtin;
 use sinew_figure::pipeline::{self, Settings};
 use sinew_figure::plant::MassProperties;
@@ -80,7 +80,7 @@ fn plants(motions: &[FigureMotion]) {
     println!("{:<20} {:>16} {:>12} {:>12}", "plant", "steps per second", "us per step", "in plant");
     for kind in PlantKind::value_variants() {
         let protocol = protocol(*kind);
-        let steps = steps_of_all(motions, &protocol);
+        let steps = count_all_steps(motions, &protocol);
         let name = protocol.setup.plant.description().name;
         if on_threads(1, || evaluate(motions, &protocol, |_| ())).is_err() {
             println!("{name:<20} {:>16}", "diverges");
@@ -203,7 +203,7 @@ fn lengths(motion: &FigureMotion) {
                 [Box::new(|| {
                     let before = MEMORY.current_usage();
                     MEMORY.reset_peak_usage();
-                    failed |= run(&motion, &setup, None, 0).is_err();
+                    failed |= Run::new(&motion, &setup, None, 0).and_then(Run::measure).is_err();
                     memory = MEMORY.peak_usage() - before;
                 })],
             );

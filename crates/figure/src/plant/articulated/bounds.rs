@@ -3,17 +3,17 @@
 //! Both act on the speed `v` at the end of the step, with an effort that is just as large as it has to be. So they are
 //! stable at any step, and need no stiffness that nobody knows:
 //!
-//! - friction holds a way at `v = 0` as long as that takes no more than the friction, and brakes with all of it
+//! - friction holds a dof at `v = 0` as long as that takes no more than the friction, and brakes with all of it
 //!   otherwise;
-//! - an end of the range lets a way come to it within the step and no farther: an inelastic stop. Its effort only
-//!   pushes back. A way that starts beyond may not go on, and is not thrown back.
+//! - an end of the range lets a dof come to it within the step and no farther: an inelastic stop. Its effort only
+//!   pushes back. A dof that starts beyond may not go on, and is not thrown back.
 //!
 //! With the mechanism between them, this is a linear complementarity problem with a positive definite matrix: it has
-//! one solution. The modes of all ways are guessed, a pass of forward dynamics tells what holds them and how fast they
+//! one solution. The modes of all dofs are guessed, a pass of forward dynamics tells what holds them and how fast they
 //! are, and what does not agree is guessed again. If that does not end, one at a time (Murty's least index), which
 //! does.
 
-/// What a way does in a step.
+/// What a dof does in a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Mode {
     /// It moves, in this direction if there is friction; zero if there is none.
@@ -26,7 +26,7 @@ pub(super) enum Mode {
     High,
 }
 
-/// What may hold a way in a step.
+/// What may hold a dof in a step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bounds {
     /// Speeds that lead to the ends of the range.
@@ -38,7 +38,7 @@ pub(super) struct Bounds {
 const ROUNDING: f64 = 1e-9;
 
 impl Mode {
-    /// That of a way that nothing stops.
+    /// That of a dof that nothing stops.
     pub(super) fn of_speed(friction: f64, speed: f64) -> Self {
         match (friction > 0.0, speed == 0.0) {
             (false, _) => Self::Slide(0.0),
@@ -49,14 +49,14 @@ impl Mode {
 }
 
 impl Bounds {
-    /// Those of a way at a coordinate in its range, for a step of `h` seconds. `back`: the speed at which it may be
+    /// Those of a dof at a coordinate in its range, for a step of `h` seconds. `back`: the speed at which it may be
     /// brought back if it is beyond an end.
     pub(super) fn new(range: [f64; 2], at: f64, friction: f64, h: f64, back: f64) -> Self {
         let [low, high] = range.map(|end| (end - at) / h);
         Self { ends: [low.min(back), high.max(-back)], friction }
     }
 
-    /// Effort of the friction on a way, if it slides.
+    /// Effort of the friction on a dof, if it slides.
     pub(super) fn braking(self, mode: Mode) -> f64 {
         match mode {
             Mode::Slide(direction) => -direction * self.friction,
@@ -64,7 +64,7 @@ impl Bounds {
         }
     }
 
-    /// The speed that a way is held at.
+    /// The speed that a dof is held at.
     pub(super) fn held_speed(self, mode: Mode) -> Option<f64> {
         match mode {
             Mode::Slide(_) => None,

@@ -1,4 +1,4 @@
-//! Joints of any kind in reduced coordinates: their state, the ways that they leave free, and how these go on.
+//! Joints of any kind in reduced coordinates: their state, the dofs that they leave free, and how these go on.
 //!
 //! A ball joint without rotor, friction and range needs none of this: see `dynamics.rs`.
 
@@ -7,18 +7,14 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec3};
 
 use super::bounds::{Bounds, Mode};
-use super::dynamics::Answer;
-use super::tree::World;
+use super::spatial::{InParent, MAX_DOFS, MotionAxis, World};
 use crate::plant::{JointModel, Link as Given, Pose};
 
-/// Ways that a joint may leave free, at most.
-pub(super) const WAYS: usize = 6;
-
-/// A way that a joint leaves free: what its unit speed adds to the body's velocity, world axes.
+/// A response of the dofs of a joint to the acceleration of its parent there: `rates = alone - dragged · (α, a)`.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Way {
-    pub(super) angular: DVec3,
-    pub(super) linear: DVec3,
+pub(super) struct DofResponse {
+    pub(super) alone: [f64; MAX_DOFS],
+    pub(super) dragged: [MotionAxis; MAX_DOFS],
 }
 
 /// A joint of any kind, and its state.
@@ -27,38 +23,28 @@ pub(super) struct Joint {
     kind: JointModel,
     /// Pose of the joint frame in the parent's.
     placement: Pose,
-    /// What the rotor adds to the inertia along each way.
+    /// What the rotor adds to the inertia along each dof.
     pub(super) rotor: f64,
-    /// Coulomb friction along each way.
+    /// Coulomb friction along each dof.
     pub(super) friction: f64,
-    /// Viscous friction along each way.
+    /// Viscous friction along each dof.
     pub(super) damping: f64,
     /// Least and most of each coordinate; infinite where there is no limit.
     ranges: [[f64; 2]; 2],
-    /// Angles or the way of a joint of one or two axes.
+    /// Angles or the distance of a joint of one or two axes.
     coordinates: [f64; 2],
-    /// Along the ways.
-    pub(super) speeds: [f64; WAYS],
+    /// Along the dofs.
+    pub(super) speeds: [f64; MAX_DOFS],
     /// Force of the drive on the body, body axes.
     pub(super) force_n: DVec3,
 
-    pub(super) ways: [Way; WAYS],
+    pub(super) motion_axes: [MotionAxis; MAX_DOFS],
     /// How many of them there are.
     pub(super) count: usize,
-    pub(super) modes: [Mode; WAYS],
-    /// Accelerations along the ways.
-    pub(super) rates: [f64; WAYS],
-    pub(super) answer: Answer,
-}
-
-/// Where a body is in its parent, and how it moves there.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct InParent {
-    pub(super) pose: Pose,
-    /// Body axes.
-    pub(super) spin_rad_s: DVec3,
-    /// Of the origin, the parent's axes.
-    pub(super) slide_m_s: DVec3,
+    pub(super) modes: [Mode; MAX_DOFS],
+    /// Accelerations along the dofs.
+    pub(super) rates: [f64; MAX_DOFS],
+    pub(super) response: DofResponse,
 }
 
 /// Where a joint stands along its axes. Poses do not count turns: an angle is the one next to the middle of its range.
@@ -98,18 +84,18 @@ impl Joint {
             damping: given.damping,
             ranges,
             coordinates: coordinates(given, &placement.inside(&state.pose)),
-            speeds: [0.0; WAYS],
+            speeds: [0.0; MAX_DOFS],
             force_n: DVec3::ZERO,
-            ways: [Way::default(); WAYS],
+            motion_axes: [MotionAxis::default(); MAX_DOFS],
             count: given.joint.kind().dof_count(),
-            modes: [Mode::Slide(0.0); WAYS],
-            rates: [0.0; WAYS],
-            answer: Answer::default(),
+            modes: [Mode::Slide(0.0); MAX_DOFS],
+            rates: [0.0; MAX_DOFS],
+            response: DofResponse::default(),
         };
         let in_body = joint.axes_in_body(&state.pose);
         let in_parent = joint.slides_in_parent();
-        for (way, speed) in joint.speeds.iter_mut().take(joint.count).enumerate() {
-            *speed = in_body[way].dot(state.spin_rad_s) + in_parent[way].dot(state.slide_m_s);
+        for (dof, speed) in joint.speeds.iter_mut().take(joint.count).enumerate() {
+            *speed = in_body[dof].dot(state.spin_rad_s) + in_parent[dof].dot(state.slide_m_s);
         }
         for (mode, speed) in joint.modes.iter_mut().zip(joint.speeds) {
             *mode = Mode::of_speed(joint.friction, speed);
@@ -117,9 +103,9 @@ impl Joint {
         Some(joint)
     }
 
-    /// Axes of the ways that turn, in the body; zero for those that slide.
-    fn axes_in_body(&self, in_parent: &Pose) -> [DVec3; WAYS] {
-        let mut axes = [DVec3::ZERO; WAYS];
+    /// Axes of the dofs that turn, in the body; zero for those that slide.
+    fn axes_in_body(&self, in_parent: &Pose) -> [DVec3; MAX_DOFS] {
+        let mut axes = [DVec3::ZERO; MAX_DOFS];
         match self.kind {
             JointModel::Fixed | JointModel::Prismatic(_) => {}
             JointModel::Revolute(axis) => axes[0] = axis,
@@ -141,9 +127,9 @@ impl Joint {
         axes
     }
 
-    /// Directions of the ways that slide, in the parent; zero for those that turn.
-    fn slides_in_parent(&self) -> [DVec3; WAYS] {
-        let mut slides = [DVec3::ZERO; WAYS];
+    /// Directions of the dofs that slide, in the parent; zero for those that turn.
+    fn slides_in_parent(&self) -> [DVec3; MAX_DOFS] {
+        let mut slides = [DVec3::ZERO; MAX_DOFS];
         match self.kind {
             JointModel::Prismatic(axis) => slides[0] = self.placement.rotation * axis,
             JointModel::Free => slides[3..].copy_from_slice(&DVec3::AXES),
@@ -178,27 +164,27 @@ impl Joint {
         self.friction > 0.0 || self.ranges.iter().flatten().any(|end| end.is_finite())
     }
 
-    /// What may hold a way, for a step of `h` seconds.
-    pub(super) fn bounds(&self, way: usize, in_parent: &Pose, h: f64) -> Bounds {
+    /// What may hold a dof, for a step of `h` seconds.
+    pub(super) fn bounds(&self, dof: usize, in_parent: &Pose, h: f64) -> Bounds {
         // A ball joint's turns across the one that leads to its end lead a little beyond it, too, of second order in
         // the step; they would add up.
         const BACK_RAD_S: f64 = 1.0;
         let none = [f64::NEG_INFINITY, f64::INFINITY];
         let back = if self.kind == JointModel::Spherical { BACK_RAD_S } else { 0.0 };
         let (range, at) = match self.kind {
-            JointModel::Spherical if way == 0 && self.is_near_end(in_parent) => {
+            JointModel::Spherical if dof == 0 && self.is_near_end(in_parent) => {
                 ([f64::NEG_INFINITY, self.ranges[0][1]], self.swing(in_parent).1)
             }
             JointModel::Revolute(_) | JointModel::Prismatic(_) | JointModel::Universal(_) => {
-                (self.ranges[way], self.coordinates[way])
+                (self.ranges[dof], self.coordinates[dof])
             }
             _ => (none, 0.0),
         };
         Bounds::new(range, at, self.friction, h, back)
     }
 
-    /// Updates the ways, with the body's parent and the body in the world.
-    pub(super) fn update_ways(&mut self, in_parent: &Pose, parent: &World, body: &World) {
+    /// Updates the motion axes, with the body's parent and the body in the world.
+    pub(super) fn update_motion_axes(&mut self, in_parent: &Pose, parent: &World, body: &World) {
         let (axes, slides) = (self.axes_in_body(in_parent), self.slides_in_parent());
         if self.kind == JointModel::Spherical {
             // Other axes from step to step, the same spin.
@@ -207,17 +193,18 @@ impl Joint {
                 *speed = axis.dot(spin);
             }
         }
-        for (way, (axis, slide)) in self.ways.iter_mut().zip(axes.into_iter().zip(slides)) {
-            *way = Way { angular: body.axes * axis, linear: parent.axes * slide };
+        for (motion, (axis, slide)) in self.motion_axes.iter_mut().zip(axes.into_iter().zip(slides))
+        {
+            *motion = MotionAxis { angular: body.axes * axis, linear: parent.axes * slide };
         }
     }
 
-    /// The acceleration of the body that the ways have by moving themselves, the parent's turn left out.
+    /// The acceleration of the body that the dofs have by moving themselves, the parent's turn left out.
     pub(super) fn bias_rad_s2(&self) -> DVec3 {
         match self.kind {
             // The first axis carries the second round.
             JointModel::Universal(_) => {
-                let [first, second, ..] = self.ways;
+                let [first, second, ..] = self.motion_axes;
                 first.angular.cross(second.angular) * (self.speeds[0] * self.speeds[1])
             }
             _ => DVec3::ZERO,
@@ -255,8 +242,8 @@ impl Joint {
     pub(super) fn in_parent(&self) -> InParent {
         let in_joint = self.kind.motion(&self.coordinates);
         let pose = self.placement.child(in_joint.position_m, in_joint.rotation);
-        let moving = |ways: [DVec3; WAYS]| -> DVec3 {
-            ways.iter().zip(self.speeds).map(|(way, speed)| *way * speed).sum()
+        let moving = |axes: [DVec3; MAX_DOFS]| -> DVec3 {
+            axes.iter().zip(self.speeds).map(|(axis, speed)| *axis * speed).sum()
         };
         InParent {
             pose,

@@ -1,9 +1,11 @@
 //! The exact plant: reduced coordinates, so that joints cannot drift apart, and forward dynamics of our own
 //! in f64. It is the judge of the others.
 
+mod articulated_body;
 mod bounds;
 mod dynamics;
 mod joint;
+mod spatial;
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -15,7 +17,7 @@ use super::check::check;
 use super::{Description, Drive, Mechanism, MovingPose, Plant, PlantError, Pose, Settings};
 use tree::Tree;
 
-/// A mechanism in reduced coordinates: a position and a velocity for each way that a joint leaves free.
+/// A mechanism in reduced coordinates: a position and a velocity for each dof of its joints.
 ///
 /// Takes any tree of joints, with what their rotors add to their inertia, viscous and Coulomb friction, and ranges.
 /// Viscous friction is implicit, Coulomb friction and the ends of ranges hold a joint exactly: see `bounds.rs`. All

@@ -2,14 +2,15 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
-use super::dynamics::{Articulated, skew};
-use super::joint::{InParent, Joint};
+use super::articulated_body::Articulated;
+use super::joint::Joint;
+use super::spatial::{InParent, World, skew};
 use crate::plant::{Drive, GRAVITY_M_S2, JointModel, Link as Given, Mechanism, MovingPose, Pose};
 
 /// A tree of bodies in reduced coordinates; parents come before children.
 #[derive(Debug, Clone)]
 pub(super) struct Tree {
-    pub(super) root: Held,
+    pub(super) root: RootMount,
     pub(super) gravity_m_s2: DVec3,
     /// Of the root's origin, in the world.
     root_position_m: DVec3,
@@ -24,7 +25,7 @@ pub(super) struct Tree {
 
 /// How the root is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Held {
+pub(super) enum RootMount {
     /// It is bolted to the world where it starts.
     Fixed,
     /// It moves freely, driven by a force and a torque from outside.
@@ -57,25 +58,6 @@ pub(super) struct Link {
 
     pub(super) world: World,
     pub(super) articulated: Articulated,
-}
-
-/// Where a body is and how it turns, world axes: what follows from the joints.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct World {
-    rotation: DQuat,
-    /// The rotation as a matrix.
-    pub(super) axes: DMat3,
-    /// From the parent's joint to this one.
-    pub(super) arm_m: DVec3,
-    pub(super) angular_rad_s: DVec3,
-    /// Velocity of the joint less that of the parent there.
-    slide_m_s: DVec3,
-    /// Angular acceleration less the parent's, if the components of the spin stay.
-    pub(super) angular_bias_rad_s2: DVec3,
-    /// Acceleration of the joint less the parent's, if the parent turns steadily.
-    pub(super) linear_bias_m_s2: DVec3,
-    /// Angular velocity against the parent, body axes.
-    pub(super) spin_rad_s: DVec3,
 }
 
 impl Link {
@@ -139,11 +121,11 @@ impl Tree {
     pub(super) fn new(mechanism: &Mechanism, start: &[MovingPose]) -> Self {
         let mut start = start.to_vec();
         let root = match mechanism.bodies[0].joint {
-            JointModel::Fixed => Held::Fixed,
-            JointModel::Free => Held::Driven,
-            _ => Held::ByJoint,
+            JointModel::Fixed => RootMount::Fixed,
+            JointModel::Free => RootMount::Driven,
+            _ => RootMount::ByJoint,
         };
-        if root == Held::Fixed {
+        if root == RootMount::Fixed {
             (start[0].angular_rad_s, start[0].linear_m_s) = (DVec3::ZERO, DVec3::ZERO);
         }
         let links = mechanism.bodies.iter().zip(&start).map(|(body, state)| {
@@ -151,7 +133,7 @@ impl Tree {
             Link::new(body, state, parent)
         });
         let mut links: Vec<Link> = links.collect();
-        let (root_position_m, root_velocity_m_s) = if root == Held::ByJoint {
+        let (root_position_m, root_velocity_m_s) = if root == RootMount::ByJoint {
             let InParent { pose, slide_m_s, .. } = links[0].in_parent;
             (pose.position_m, slide_m_s)
         } else {
@@ -197,11 +179,11 @@ impl Tree {
             at.pose.rotation = (at.pose.rotation * turn).normalize();
         }
         match self.root {
-            Held::ByJoint => {
+            RootMount::ByJoint => {
                 let InParent { pose, slide_m_s, .. } = self.links[0].in_parent;
                 (self.root_position_m, self.root_velocity_m_s) = (pose.position_m, slide_m_s);
             }
-            Held::Fixed | Held::Driven => {
+            RootMount::Fixed | RootMount::Driven => {
                 self.root_velocity_m_s += h * self.root_acceleration_m_s2;
                 self.root_position_m += h * self.root_velocity_m_s;
             }
@@ -217,7 +199,11 @@ impl Tree {
             link.world = link.in_world(parent);
             if let Some(joint) = &mut link.joint {
                 let still = World { axes: DMat3::IDENTITY, ..World::default() };
-                joint.update_ways(&link.in_parent.pose, parent.unwrap_or(&still), &link.world);
+                joint.update_motion_axes(
+                    &link.in_parent.pose,
+                    parent.unwrap_or(&still),
+                    &link.world,
+                );
                 link.world.angular_bias_rad_s2 += joint.bias_rad_s2();
             }
         }

@@ -10,16 +10,16 @@ const LEAST: f64 = 1e-9;
 
 /// Refuses a joint that nothing resists in the pose that the rig starts in. O(n³), once for a plant.
 pub(super) fn check(mechanism: &Mechanism, start: &[MovingPose]) -> Result<(), PlantError> {
-    let ways = ways(mechanism, start);
-    let mut matrix = mass_matrix(mechanism, start, &ways);
-    let inertias: Vec<f64> = (0..ways.len()).map(|way| matrix[way][way]).collect();
-    // Gauss's elimination: a pivot is what is left of a way's inertia.
-    for (pivot, way) in ways.iter().enumerate() {
+    let axes = motion_axes(mechanism, start);
+    let mut matrix = mass_matrix(mechanism, start, &axes);
+    let inertias: Vec<f64> = (0..axes.len()).map(|axis| matrix[axis][axis]).collect();
+    // Gauss's elimination: a pivot is what is left of an axis's inertia.
+    for (pivot, axis) in axes.iter().enumerate() {
         let row = matrix[pivot].clone();
         // Written so that NaN is refused.
         let resists = row[pivot] > LEAST * inertias[pivot];
         if !resists {
-            return Err(PlantError::Weightless { body: way.body });
+            return Err(PlantError::Weightless { body: axis.body });
         }
         for below in &mut matrix[pivot + 1..] {
             let factor = below[pivot] / row[pivot];
@@ -31,23 +31,23 @@ pub(super) fn check(mechanism: &Mechanism, start: &[MovingPose]) -> Result<(), P
     Ok(())
 }
 
-/// A way that a joint leaves free, as the velocity that it gives: world axes.
-struct Way {
+/// The motion along a dof of a joint, as the velocity that it gives: world axes.
+struct MotionAxis {
     body: usize,
     angular: DVec3,
     /// Of the point of the body at the world's origin.
     linear: DVec3,
 }
 
-impl Way {
+impl MotionAxis {
     /// Velocity of a point that moves with the body.
     fn at(&self, point_m: DVec3) -> DVec3 {
         self.linear + self.angular.cross(point_m)
     }
 }
 
-fn ways(mechanism: &Mechanism, start: &[MovingPose]) -> Vec<Way> {
-    let mut ways = Vec::new();
+fn motion_axes(mechanism: &Mechanism, start: &[MovingPose]) -> Vec<MotionAxis> {
+    let mut axes = Vec::new();
     for (body, (link, at)) in mechanism.bodies.iter().zip(start).enumerate() {
         let in_parent = link.parent.map_or(at.pose, |parent| start[parent].pose.inside(&at.pose));
         let placement = Pose { rotation: link.rotation, position_m: link.position_m };
@@ -55,35 +55,35 @@ fn ways(mechanism: &Mechanism, start: &[MovingPose]) -> Vec<Way> {
         let (turns, slides) = link.joint.axes(&link.joint.along(&in_joint));
         for axis in turns {
             let angular = at.pose.rotation * axis;
-            ways.push(Way { body, angular, linear: at.pose.position_m.cross(angular) });
+            axes.push(MotionAxis { body, angular, linear: at.pose.position_m.cross(angular) });
         }
         for axis in slides {
-            ways.push(Way { body, angular: DVec3::ZERO, linear: at.pose.rotation * axis });
+            axes.push(MotionAxis { body, angular: DVec3::ZERO, linear: at.pose.rotation * axis });
         }
     }
-    ways
+    axes
 }
 
-/// `M[i][j] = Σ ωᵢᵀ I ωⱼ + m vᵢᵀ vⱼ` over the bodies that both ways move, and the rotors.
-fn mass_matrix(mechanism: &Mechanism, start: &[MovingPose], ways: &[Way]) -> Vec<Vec<f64>> {
-    let mut matrix = vec![vec![0.0; ways.len()]; ways.len()];
+/// `M[i][j] = Σ ωᵢᵀ I ωⱼ + m vᵢᵀ vⱼ` over the bodies that both axes move, and the rotors.
+fn mass_matrix(mechanism: &Mechanism, start: &[MovingPose], axes: &[MotionAxis]) -> Vec<Vec<f64>> {
+    let mut matrix = vec![vec![0.0; axes.len()]; axes.len()];
     for (body, (link, at)) in mechanism.bodies.iter().zip(start).enumerate() {
         let center_m = at.pose.point(link.center_of_mass_m);
         let moving: Vec<usize> =
-            (0..ways.len()).filter(|way| supports(mechanism, ways[*way].body, body)).collect();
+            (0..axes.len()).filter(|axis| supports(mechanism, axes[*axis].body, body)).collect();
         for one in &moving {
-            let spin = at.pose.rotation.conjugate() * ways[*one].angular;
+            let spin = at.pose.rotation.conjugate() * axes[*one].angular;
             let moment = at.pose.rotation * (link.inertia_kg_m2 * spin);
-            let momentum = ways[*one].at(center_m) * link.mass_kg;
+            let momentum = axes[*one].at(center_m) * link.mass_kg;
             for other in &moving {
-                let Way { angular, .. } = ways[*other];
+                let MotionAxis { angular, .. } = axes[*other];
                 matrix[*one][*other] +=
-                    angular.dot(moment) + ways[*other].at(center_m).dot(momentum);
+                    angular.dot(moment) + axes[*other].at(center_m).dot(momentum);
             }
         }
     }
-    for (index, way) in ways.iter().enumerate() {
-        matrix[index][index] += mechanism.bodies[way.body].rotor_inertia;
+    for (index, axis) in axes.iter().enumerate() {
+        matrix[index][index] += mechanism.bodies[axis.body].rotor_inertia;
     }
     matrix
 }

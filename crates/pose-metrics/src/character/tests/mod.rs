@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 use proptest::prelude::*;
-use sinew_figure::measured::Told;
+use sinew_figure::measured::UnitOverrides;
 
 use super::mesh::shares;
 use super::*;
@@ -241,8 +241,8 @@ const BVH: &str = "HIERARCHY ROOT a\n{ OFFSET 0 100 0 CHANNELS 3 Zrotation Xrota
     { OFFSET 0 0 20 CHANNELS 3 Zrotation Xrotation Yrotation End Site { OFFSET 0 5 0 } End Site { OFFSET 0 0 0 }\n\
     End Site { OFFSET 1 0 0 } } }\nMOTION Frames: 2 Frame Time: 0.01\n0 0 0 0 0 0\n90 0 0 0 0 0\n";
 
-fn told(metres_per_unit: f64) -> Told {
-    Told { metres_per_unit: Some(metres_per_unit), up: None }
+fn units(metres_per_unit: f64) -> UnitOverrides {
+    UnitOverrides { metres_per_unit: Some(metres_per_unit), up: None }
 }
 
 fn bvh(options: &Options) -> Result<Character, Error> {
@@ -254,7 +254,7 @@ fn bvh(options: &Options) -> Result<Character, Error> {
 
 #[test]
 fn a_skeleton_has_joints_at_the_ends_of_its_bones() {
-    let options = Options { told: told(0.01), frame: None };
+    let options = Options { units: units(0.01), frame: None };
     let character = bvh(&options).unwrap();
     assert_eq!(character.name(), "two");
     assert_eq!(
@@ -281,7 +281,7 @@ fn a_skeleton_without_unit_or_frame_is_refused() {
         unit.contains("no arms and legs tell the body's height; give it with --metres-per-unit"),
         "{unit}"
     );
-    let frame = message(&Options { told: told(0.01), frame: Some(2) });
+    let frame = message(&Options { units: units(0.01), frame: Some(2) });
     assert!(frame.contains("two.bvh: --frame: expected a frame below 2, found 2"), "{frame}");
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use sinew_evaluation::Setup;
 use sinew_evaluation::sweep::{Journal, Plan, Shard, SweepFile};
-use sinew_figure::measured::{Measured, Told};
+use sinew_figure::measured::{Measured, UnitOverrides};
 use sinew_figure::{Mapping, Subject};
 use sinew_mocap::{Recording, asf_amc, bvh, deepmimic};
 use sinew_pose_metrics::character::{self, Options};
@@ -76,7 +76,7 @@ fn motion(recording: Option<Recording>) {
         }
     }
     let matched = sinew_retarget::skeleton::SkeletonMatch::of_recording(&recording);
-    let measured = Measured::new(&recording, &matched, None, Told::default());
+    let measured = Measured::new(&recording, &matched, None, UnitOverrides::default());
     if let Ok(recording) = measured.apply(recording) {
         assert_eq!(recording.skeleton.joints.len(), joints);
     }

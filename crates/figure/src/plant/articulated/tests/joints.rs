@@ -295,7 +295,7 @@ fn everything_that_holds_joints_agrees_with_how_they_move() {
 #[test]
 fn inertia_is_inverted() {
     let given = DMat3::from_cols_array(&[4.0, 1.0, 0.5, 1.0, 3.0, -1.0, 0.5, -1.0, 2.0]);
-    let mut matrix = [[0.0; joint::WAYS]; joint::WAYS];
+    let mut matrix = [[0.0; spatial::MAX_DOFS]; spatial::MAX_DOFS];
     for (row, values) in matrix.iter_mut().zip(given.to_cols_array_2d()) {
         row[..3].copy_from_slice(&values);
     }

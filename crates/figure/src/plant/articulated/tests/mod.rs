@@ -210,7 +210,7 @@ fn a_torque_turns_with_its_body_over_the_substeps() {
     let drive = Drive { torque_nm: vec![DVec3::ZERO, torque], ..Drive::none(2) };
     let mut plant = ArticulatedPlant::new(&hung(ball), &start, 1.0, 10_000).unwrap();
     plant.step(&drive);
-    // Held in the world it would have become τ t / I = 0.01 rad/s; a part in 1e4 of a turn is off.
+    // RootMount in the world it would have become τ t / I = 0.01 rad/s; a part in 1e4 of a turn is off.
     let gained = plant.motions()[1].angular_rad_s - spin;
     assert!(gained.length() < 1e-5, "{gained}");
 }

@@ -1,16 +1,17 @@
-//! What is evaluated: motions, each with the rig that performs it.
+//! The motions that are evaluated, each with the rig that performs it.
 
 use sinew_figure::plant::Pose;
 use sinew_figure::{FigureMotion, Root};
 use sinew_rig::Mechanism;
 
 use super::error::RunError;
+use super::rig::Rig;
 use super::setup::Setup;
 
 /// A motion, evenly sampled, and the rig that performs it in a setup.
 ///
 /// Its dimensions may be others than the rig's: it is what the errors are measured against.
-pub trait Take: Sync {
+pub trait EvaluatedMotion: Sync {
     /// What people call it.
     fn name(&self) -> &str;
 
@@ -19,8 +20,8 @@ pub trait Take: Sync {
         None
     }
 
-    /// Shows all numbers that the motion and its rig are made of, by which it is known again.
-    fn numbers(&self, see: &mut dyn FnMut(&[f64]));
+    /// Visits all numbers that the motion and its rig are made of, by which it is known again.
+    fn visit_numbers(&self, see: &mut dyn FnMut(&[f64]));
 
     /// Time from one frame to the next, s.
     fn dt_s(&self) -> f64;
@@ -34,6 +35,15 @@ pub trait Take: Sync {
     /// [`RunError`] if there is none for this motion.
     fn mechanism(&self, setup: &Setup) -> Result<Mechanism, RunError>;
 
+    /// Makes the rig in a setup. Of a user's rig on a stand the base is not judged.
+    ///
+    /// # Errors
+    /// [`RunError`] if there is none, its measures do not survive f32, or it has no surface.
+    fn rig(&self, setup: &Setup) -> Result<Rig, RunError> {
+        let rig = Rig::new(self.mechanism(setup)?)?;
+        Ok(if self.rig_name().is_some() { rig.without_stand() } else { rig })
+    }
+
     /// Puts the poses of all joints in a frame (the last one, beyond the end) into `out`, each in its parent's frame,
     /// the root's in the world; by body of the rig.
     fn joint_poses(&self, setup: &Setup, frame: usize, out: &mut Vec<Pose>);
@@ -43,8 +53,8 @@ pub trait Take: Sync {
     fn limb_errors_deg(&self, _frame: usize, _poses: &[Pose], _see: &mut dyn FnMut(f64)) {}
 }
 
-/// Shows all numbers that a rig is made of.
-pub fn numbers_of(mechanism: &Mechanism, see: &mut dyn FnMut(&[f64])) {
+/// Visits all numbers that a rig is made of.
+pub fn visit_numbers(mechanism: &Mechanism, see: &mut dyn FnMut(&[f64])) {
     for link in &mechanism.bodies {
         see(&[link.parent.map_or(-1.0, |parent| parent as f64)]);
         see(&link.position_m.to_array());
@@ -63,12 +73,12 @@ pub fn numbers_of(mechanism: &Mechanism, see: &mut dyn FnMut(&[f64])) {
 }
 
 /// A clip on the figure, which is made from it: the setup says with which body model, and how its pelvis is held.
-impl Take for FigureMotion {
+impl EvaluatedMotion for FigureMotion {
     fn name(&self) -> &str {
         &self.name
     }
 
-    fn numbers(&self, see: &mut dyn FnMut(&[f64])) {
+    fn visit_numbers(&self, see: &mut dyn FnMut(&[f64])) {
         let vectors = self.offset_m.iter().chain(&self.segment_end_m).chain(&self.root_position_m);
         for vector in vectors {
             see(&vector.to_array());
@@ -103,7 +113,7 @@ impl Take for FigureMotion {
 }
 
 /// Motions of different kinds, side by side.
-impl<T: Take + ?Sized> Take for Box<T> {
+impl<T: EvaluatedMotion + ?Sized> EvaluatedMotion for Box<T> {
     fn name(&self) -> &str {
         self.as_ref().name()
     }
@@ -112,8 +122,8 @@ impl<T: Take + ?Sized> Take for Box<T> {
         self.as_ref().rig_name()
     }
 
-    fn numbers(&self, see: &mut dyn FnMut(&[f64])) {
-        self.as_ref().numbers(see);
+    fn visit_numbers(&self, see: &mut dyn FnMut(&[f64])) {
+        self.as_ref().visit_numbers(see);
     }
 
     fn dt_s(&self) -> f64 {
@@ -134,5 +144,29 @@ impl<T: Take + ?Sized> Take for Box<T> {
 
     fn limb_errors_deg(&self, frame: usize, poses: &[Pose], see: &mut dyn FnMut(f64)) {
         self.as_ref().limb_errors_deg(frame, poses, see);
+    }
+}
+
+/// Returns the number of steps of a run: from frame 0, where the rig starts without error, to the last frame but one. A
+/// step needs the desired motion of three frames (forward differences of second order), so it starts from the last but
+/// two at the latest.
+pub fn count_steps(motion: &dyn EvaluatedMotion, seconds: Option<f64>) -> usize {
+    count_frames(motion, seconds).saturating_sub(2)
+}
+
+/// Returns the number of frames of a run, at least those of one step if the motion has them.
+pub(super) fn count_frames(motion: &dyn EvaluatedMotion, seconds: Option<f64>) -> usize {
+    let frames = motion.frame_count();
+    match seconds {
+        Some(seconds) => {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "not negative, and saturates"
+            )]
+            let within = (seconds / motion.dt_s()).round() as usize;
+            frames.min(within.max(3))
+        }
+        None => frames,
     }
 }

@@ -1,20 +1,20 @@
-//! How far a body is from where it should be.
+//! The error of a body's pose.
 
 use glam::DQuat;
 use sinew_figure::plant::Pose;
 
-/// How far a body is from where it should be, in the world.
+/// The error of a body's pose: how far it is from where it should be, in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Off {
+pub struct PoseError {
     /// Angle of the turn between the two, in [0, π] rad.
     pub angular_rad: f64,
     /// Distance of the two places of its joint, in metres.
     pub linear_m: f64,
 }
 
-impl Off {
-    /// Those of all bodies: poses in the world.
-    pub fn of_all(desired: &[Pose], measured: &[Pose]) -> impl Iterator<Item = Self> {
+impl PoseError {
+    /// Compares the poses of all bodies, in the world.
+    pub fn between(desired: &[Pose], measured: &[Pose]) -> impl Iterator<Item = Self> {
         desired.iter().zip(measured).map(|(desired, measured)| Self {
             angular_rad: angle_between_rad(desired.rotation, measured.rotation),
             linear_m: (desired.position_m - measured.position_m).length(),

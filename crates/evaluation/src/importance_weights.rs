@@ -1,4 +1,4 @@
-//! What a turn of each joint moves: the weights of the importance-weighted error.
+//! The weights of the importance-weighted error: how far a turn of each joint moves the skin.
 
 use std::f64::consts::PI;
 
@@ -7,10 +7,10 @@ use sinew_core::importance::{RestPose, cylinder_surface};
 use sinew_figure::plant::Pose;
 use sinew_rig::mechanism::{Link, Mechanism};
 
+use super::capacity::CAPACITY;
 use super::controller::narrow;
 use super::error::RunError;
-use super::off::angle_between_rad;
-use super::rig::CAPACITY;
+use super::pose_error::angle_between_rad;
 
 /// Of a living body, in kg/m³. It cancels but for the thickness of limbs against their lengths.
 const DENSITY_KG_M3: f64 = 1000.0;
@@ -35,17 +35,17 @@ const POINTS: usize = 2 * CAPACITY;
 /// It is of whole poses only. That of the leaves alone would be their angles times constant levers, of some mm: little
 /// hangs on a leaf, which is what importance says.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Levers {
+pub struct ImportanceWeights {
     lever_m: Vec<f64>,
     parents: Vec<Option<usize>>,
 }
 
-impl Levers {
-    /// Those of a mechanism.
+impl ImportanceWeights {
+    /// Computes the weights of a mechanism.
     ///
     /// # Errors
     /// [`RunError`] if there are more than [`CAPACITY`] bodies, or measures do not survive f32.
-    pub fn of(mechanism: &Mechanism) -> Result<Self, RunError> {
+    pub fn new(mechanism: &Mechanism) -> Result<Self, RunError> {
         let links = &mechanism.bodies;
         let count = links.len();
         let mut rest: Vec<Pose> = Vec::with_capacity(count);
@@ -59,7 +59,7 @@ impl Levers {
             let offset_m = link.parent.map_or(DVec3::ZERO, |_| link.position_m);
             let pose = world.child(offset_m, link.rotation);
             let end = count + body;
-            let cylinder = Cylinder::of(link);
+            let cylinder = Cylinder::new(link);
             surface_m2 += cylinder.surface_m2();
             (parents[body], parents[end]) = (link.parent, Some(body));
             points_m[body] = pose.position_m.as_vec3();
@@ -79,9 +79,9 @@ impl Levers {
         Ok(Self { lever_m, parents })
     }
 
-    /// Of a mechanism that has no surface.
+    /// Makes the weights of a mechanism that has no surface.
     #[cfg(test)]
-    pub(crate) fn none(mechanism: &Mechanism) -> Self {
+    pub(crate) fn zero(mechanism: &Mechanism) -> Self {
         let parents = mechanism.bodies.iter().map(|link| link.parent).collect();
         Self { lever_m: vec![0.0; mechanism.bodies.len()], parents }
     }
@@ -117,7 +117,7 @@ struct Cylinder {
 }
 
 impl Cylinder {
-    fn of(link: &Link) -> Self {
+    fn new(link: &Link) -> Self {
         let axis_m = 2.0 * link.center_of_mass_m;
         let volume_m3 = link.mass_kg / DENSITY_KG_M3;
         let length_m = axis_m.length();
@@ -146,14 +146,14 @@ mod tests {
         Setup::default().model(&motion).unwrap()
     }
 
-    fn levers() -> Levers {
-        Levers::of(&model().mechanism(Root::Driven)).unwrap()
+    fn weights() -> ImportanceWeights {
+        ImportanceWeights::new(&model().mechanism(Root::Driven)).unwrap()
     }
 
     #[test]
     fn what_is_near_the_root_moves_more() {
-        let levers = levers();
-        let [pelvis, abdomen, thorax, head, .., thigh, shank, foot] = *levers.as_slice_m() else {
+        let weights = weights();
+        let [pelvis, abdomen, thorax, head, .., thigh, shank, foot] = *weights.as_slice_m() else {
             panic!("18 bodies")
         };
         assert!(pelvis > 0.3 && pelvis < 0.8, "{pelvis}");
@@ -164,8 +164,9 @@ mod tests {
     #[test]
     fn levers_grow_with_the_figure() {
         let one = model();
-        let levers_of = |model: &BodyModel| Levers::of(&model.mechanism(Root::Driven)).unwrap();
-        let [of_one, of_other] = [levers_of(&one), levers_of(&one.scaled(1.1))];
+        let weights_of =
+            |model: &BodyModel| ImportanceWeights::new(&model.mechanism(Root::Driven)).unwrap();
+        let [of_one, of_other] = [weights_of(&one), weights_of(&one.scaled(1.1))];
         for (of_one, of_other) in of_one.as_slice_m().iter().zip(of_other.as_slice_m()) {
             assert!((of_other / of_one - 1.1).abs() < 1e-5);
         }
@@ -173,29 +174,35 @@ mod tests {
         for link in &mut points.bodies {
             link.center_of_mass_m = DVec3::ZERO;
         }
-        assert!(Levers::of(&points).unwrap().as_slice_m().iter().all(|lever_m| *lever_m == 0.0));
+        assert!(
+            ImportanceWeights::new(&points)
+                .unwrap()
+                .as_slice_m()
+                .iter()
+                .all(|lever_m| *lever_m == 0.0)
+        );
     }
 
     #[test]
     fn a_leaf_has_the_lever_of_its_own_surface() {
         let mechanism = model().mechanism(Root::Driven);
-        let levers = Levers::of(&mechanism).unwrap();
-        let cylinders: Vec<_> = mechanism.bodies.iter().map(Cylinder::of).collect();
+        let weights = ImportanceWeights::new(&mechanism).unwrap();
+        let cylinders: Vec<_> = mechanism.bodies.iter().map(Cylinder::new).collect();
         let surface_m2: f64 = cylinders.iter().map(Cylinder::surface_m2).sum();
         for body in (0..BODY_COUNT).filter(|body| is_leaf(*body)) {
             // The mean distance from one end of the axis, of rings at all places of it.
             let (r, l) = (cylinders[body].radius_m, cylinders[body].axis_m.length());
             let mean_m = 0.5 * (l.hypot(r) + r * r / l * (l / r).asinh());
             let expected_m = cylinders[body].surface_m2() / surface_m2 * mean_m;
-            let lever_m = levers.as_slice_m()[body];
+            let lever_m = weights.as_slice_m()[body];
             assert!((lever_m / expected_m - 1.0).abs() < 1e-5, "{body}: {lever_m} {expected_m}");
         }
     }
 
     #[test]
     fn the_error_is_the_turn_of_a_joint_by_its_lever_and_the_way_of_the_root() {
-        let levers = levers();
-        let lever_m = levers.as_slice_m();
+        let weights = weights();
+        let lever_m = weights.as_slice_m();
         let still = [Pose::IDENTITY; BODY_COUNT];
         let mut off = still;
         // The thorax turns, and carries all that hangs on it: one joint is off, however many bodies are.
@@ -207,7 +214,7 @@ mod tests {
         // The other sign of a quaternion is the same orientation.
         off[16].rotation = -off[16].rotation;
         let expected_m = 0.2 * lever_m[2] + 0.03;
-        assert!((levers.error_m(&still, &off) - expected_m).abs() < 1e-12);
-        assert!(levers.error_m(&off, &off) < 1e-12);
+        assert!((weights.error_m(&still, &off) - expected_m).abs() < 1e-12);
+        assert!(weights.error_m(&off, &off) < 1e-12);
     }
 }

@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 use sinew_rig::mechanism::{JointModel, Link, Mechanism};
-use thiserror::Error;
 
 use super::body::{BODIES, Root};
 use super::de_leva;
+use super::error::BodyModelError;
 use super::hanavan::{self, Subject};
 use super::placement::{Placement, Skeleton};
 use crate::FigureMotion;
@@ -21,22 +21,6 @@ pub struct BodyModel {
     pub offset_m: Vec<DVec3>,
     /// Mass properties by body.
     pub bodies: Vec<MassProperties>,
-}
-
-/// Why a clip's skeleton cannot be given a body.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-pub enum BodyModelError {
-    /// A dimension is NaN or infinite.
-    #[error("the offset or the end of the {0} is not finite")]
-    NonFinite(&'static str),
-    /// A limb must have a length.
-    #[error("the {0} has no length: its joint and the next one are at the same place")]
-    NoLength(&'static str),
-    /// Left and right, or up, cannot be told.
-    #[error(
-        "the hips are at the same place, or the neck is level with them: left and up cannot be told"
-    )]
-    NoOrientation,
 }
 
 impl BodyModel {
@@ -60,6 +44,18 @@ impl BodyModel {
             offset_m: motion.offset_m.clone(),
             bodies: hanavan::bodies(&placement, subject)?,
         })
+    }
+
+    /// Returns the figure of a subject itself, without a clip: it stands with its arms down; in all frames x points
+    /// left, y up and z forward, and the origin is in the body's joint.
+    ///
+    /// # Errors
+    /// [`BodyModelError`] if a segment is too short to have a direction.
+    pub fn from_subject(subject: &Subject) -> Result<Self, BodyModelError> {
+        let own = hanavan::OwnSkeleton::new(subject);
+        let placement = Placement::new(own.skeleton())?;
+        let bodies = hanavan::bodies(&placement, subject)?;
+        Ok(Self { offset_m: own.offset_m, bodies })
     }
 
     /// The same figure with all dimensions times `factor`, at the same density.

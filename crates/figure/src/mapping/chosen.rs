@@ -6,23 +6,25 @@ use std::fmt;
 use sinew_mocap::Recording;
 use sinew_retarget::skeleton::{MapHead, SkeletonMatch, figure_mapping};
 
-use super::{Binding, Error, Mapping, choose};
+use super::binding::Binding;
+use super::file::{Error, Mapping};
+use super::known::choose;
 
 /// What is less sure is not taken without asking: animals, and humans that lack what tells their joints apart.
 const SURE: f64 = 0.45;
 
 /// A recording's mapping, and where it is from.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Found<'a> {
+pub struct ChosenMapping<'a> {
     /// The mapping.
     pub mapping: Cow<'a, Mapping>,
     /// How sure it is, if nobody wrote it.
-    pub proposed: Option<Proposed>,
+    pub proposed: Option<Proposal>,
 }
 
 /// How sure a proposal is.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Proposed {
+pub struct Proposal {
     /// The least sure body.
     pub body: String,
     /// 0 is a guess, 1 certain.
@@ -31,7 +33,7 @@ pub struct Proposed {
     pub reason: String,
 }
 
-impl fmt::Display for Proposed {
+impl fmt::Display for Proposal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { body, confidence, reason } = self;
         write!(
@@ -47,8 +49,11 @@ impl fmt::Display for Proposed {
 /// # Errors
 /// [`Error::NotProposed`] if no known skeleton fits and the joints of a human are not found, or not surely;
 /// [`Error::SeveralMatch`].
-pub fn found<'a>(recording: &Recording, given: Option<&'a Mapping>) -> Result<Found<'a>, Error> {
-    let as_it_is = |mapping| Found { mapping: Cow::Borrowed(mapping), proposed: None };
+pub fn find_mapping<'a>(
+    recording: &Recording,
+    given: Option<&'a Mapping>,
+) -> Result<ChosenMapping<'a>, Error> {
+    let as_it_is = |mapping| ChosenMapping { mapping: Cow::Borrowed(mapping), proposed: None };
     if let Some(mapping) = given {
         return Ok(as_it_is(mapping));
     }
@@ -64,7 +69,7 @@ pub fn found<'a>(recording: &Recording, given: Option<&'a Mapping>) -> Result<Fo
     propose(recording).map_err(|why| Error::NotProposed { unknown: Box::new(unknown), why })
 }
 
-fn propose(recording: &Recording) -> Result<Found<'static>, String> {
+fn propose(recording: &Recording) -> Result<ChosenMapping<'static>, String> {
     let matched = SkeletonMatch::of_recording(recording);
     let by_height = matched.unit.as_ref().and_then(|unit| unit.metres_per_unit);
     let head = MapHead {
@@ -76,12 +81,12 @@ fn propose(recording: &Recording) -> Result<Found<'static>, String> {
     let proposal =
         figure_mapping(&recording.skeleton, &matched, head).map_err(|error| error.to_string())?;
     let least = proposal.notes.iter().min_by(|a, b| a.confidence.total_cmp(&b.confidence));
-    let proposed = least.map(|least| Proposed {
+    let proposed = least.map(|least| Proposal {
         body: least.body.clone(),
         confidence: least.confidence,
         reason: least.reason.clone(),
     });
-    if let Some(Proposed { body, reason, .. }) =
+    if let Some(Proposal { body, reason, .. }) =
         proposed.as_ref().filter(|least| least.confidence < SURE)
     {
         return Err(format!(
@@ -89,5 +94,5 @@ fn propose(recording: &Recording) -> Result<Found<'static>, String> {
         ));
     }
     let mapping = Mapping::try_from(proposal.map)?;
-    Ok(Found { mapping: Cow::Owned(mapping), proposed })
+    Ok(ChosenMapping { mapping: Cow::Owned(mapping), proposed })
 }

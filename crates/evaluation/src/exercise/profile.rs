@@ -1,13 +1,13 @@
-//! Where an axis goes, and when.
+//! The way of an axis over time.
 
 use sinew_host_util::random::{Random, Subject};
 
-use super::Exercises;
 use super::axis::Axis;
+use super::settings::ExerciseSettings;
 
-/// The places that an axis goes through.
+/// A profile of an axis: its positions over time.
 #[derive(Debug, Clone)]
-pub(super) struct Course {
+pub(super) struct Profile {
     pub(super) home: f64,
     /// In the order of time: when each begins and how long it takes, in s, and where it leads.
     pub(super) moves: Vec<Move>,
@@ -20,7 +20,7 @@ pub(super) struct Move {
     pub(super) to: f64,
 }
 
-impl Course {
+impl Profile {
     pub(super) fn end_s(&self) -> f64 {
         self.moves.last().map_or(0.0, |last| last.from_s + last.duration_s)
     }
@@ -45,33 +45,37 @@ impl Course {
     }
 }
 
-/// Every axis goes to one end, to the other, and home, one after the other.
-pub(super) fn in_turn(axes: &[Vec<Axis>], share: f64) -> Vec<Vec<Course>> {
+/// Plans that every axis goes to one end, to the other, and home, one after the other.
+pub(super) fn plan_in_turn(axes: &[Vec<Axis>], share: f64) -> Vec<Vec<Profile>> {
     let mut now_s = 0.0;
-    let mut course = |axis: &Axis| {
-        let mut course = Course { home: axis.home, moves: Vec::new() };
+    let mut profile = |axis: &Axis| {
+        let mut profile = Profile { home: axis.home, moves: Vec::new() };
         for to in [axis.least, axis.most, axis.home] {
-            course.go(axis, now_s, to, share);
-            now_s = course.end_s();
+            profile.go(axis, now_s, to, share);
+            now_s = profile.end_s();
         }
-        course
+        profile
     };
-    axes.iter().map(|axes| axes.iter().map(&mut course).collect()).collect()
+    axes.iter().map(|axes| axes.iter().map(&mut profile).collect()).collect()
 }
 
-/// Every axis goes anywhere in its range and on, each in its own time.
-pub(super) fn together(axes: &[Vec<Axis>], share: f64, settings: &Exercises) -> Vec<Vec<Course>> {
+/// Plans that every axis goes from place to place in its range, each in its own time.
+pub(super) fn plan_together(
+    axes: &[Vec<Axis>],
+    share: f64,
+    settings: &ExerciseSettings,
+) -> Vec<Vec<Profile>> {
     let mut number = 0;
-    let mut course = |axis: &Axis| {
+    let mut profile = |axis: &Axis| {
         let mut random = Random::numbered(settings.seed, number, Subject::Exercise);
         number += 1;
-        let mut course = Course { home: axis.home, moves: Vec::new() };
+        let mut profile = Profile { home: axis.home, moves: Vec::new() };
         // A rig whose range is a point stays there.
-        while course.end_s() < settings.seconds && axis.most > axis.least {
-            let from_s = course.end_s();
-            course.go(axis, from_s, random.between(axis.least, axis.most), share);
+        while profile.end_s() < settings.seconds && axis.most > axis.least {
+            let from_s = profile.end_s();
+            profile.go(axis, from_s, random.between(axis.least, axis.most), share);
         }
-        course
+        profile
     };
-    axes.iter().map(|axes| axes.iter().map(&mut course).collect()).collect()
+    axes.iter().map(|axes| axes.iter().map(&mut profile).collect()).collect()
 }

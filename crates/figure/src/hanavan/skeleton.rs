@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
-use super::Subject;
-use crate::BODIES;
-use crate::model::BodyModelError;
-use crate::placement::{self, Part, Placement, Skeleton, named};
+use super::subject::Subject;
+use crate::body::BODIES;
+use crate::error::BodyModelError;
+use crate::placement::{self, BodyPart, Placement, Skeleton, named};
 use crate::plant::MassProperties;
 
 /// The solids laid on a skeleton.
@@ -16,15 +16,15 @@ pub(crate) fn bodies(
     let scale = placement.leg_m / subject.inputs().leg_m();
     let [thorax] = named(["thorax"]);
     placement::each_body(|body| {
-        let (part, segment) = (Part::of(body), subject.segment(body));
+        let (part, segment) = (BodyPart::new(body), subject.segment(body));
         // A shoulder part lies in the column that it was cut from.
-        let place = placement.place(if part == Part::Shoulder { thorax } else { body })?;
+        let place = placement.place(if part == BodyPart::Shoulder { thorax } else { body })?;
         let length_m =
             if part.is_limb() { place.bone_m.length() } else { segment.length_m * scale };
         let solid = segment.shape.solid(length_m);
         let center_of_mass_m = match part {
-            Part::Foot => place.along(solid.center_z_m - placement::HEEL_TO_ANKLE * length_m),
-            Part::Shoulder => {
+            BodyPart::Foot => place.along(solid.center_z_m - placement::HEEL_TO_ANKLE * length_m),
+            BodyPart::Shoulder => {
                 place.along(solid.center_z_m)
                     + place.left() * (side(body) * segment.shape.center_to_side_m())
                     - placement.offset_m(body)
@@ -53,39 +53,41 @@ fn side(body: usize) -> f64 {
 /// the middle of the hips, each hip joint in the middle of its half of the hips' breadth; the trunk's joints
 /// are on its axis; a shoulder joint is on the side of the upper trunk, level with its top, where head and
 /// clavicles are joined too.
-pub(super) struct OwnSkeleton {
+pub(crate) struct OwnSkeleton {
     pub offset_m: Vec<DVec3>,
     pub segment_end_m: Vec<DVec3>,
 }
 
 impl OwnSkeleton {
-    pub(super) fn of(subject: &Subject) -> Self {
+    pub(crate) fn new(subject: &Subject) -> Self {
         let inputs = subject.inputs();
         let half_breadth_m = 0.25 * (inputs.chest_breadth_m.get() + inputs.xyphion_breadth_m.get());
         let hip_m = 0.25 * inputs.hip_breadth_m.get();
         let segment_end = |body| {
             let length_m = subject.segment(body).length_m;
-            match Part::of(body) {
-                Part::LowerTrunk | Part::MidTrunk | Part::Thorax | Part::Head => {
+            match BodyPart::new(body) {
+                BodyPart::LowerTrunk | BodyPart::MidTrunk | BodyPart::Thorax | BodyPart::Head => {
                     DVec3::Y * length_m
                 }
-                Part::Shoulder => DVec3::new(side(body) * half_breadth_m, 0.0, 0.0),
-                Part::UpperArm | Part::Forearm | Part::Hand | Part::Thigh | Part::Shank => {
-                    DVec3::NEG_Y * length_m
-                }
-                Part::Foot => DVec3::Z * ((1.0 - placement::HEEL_TO_ANKLE) * length_m),
+                BodyPart::Shoulder => DVec3::new(side(body) * half_breadth_m, 0.0, 0.0),
+                BodyPart::UpperArm
+                | BodyPart::Forearm
+                | BodyPart::Hand
+                | BodyPart::Thigh
+                | BodyPart::Shank => DVec3::NEG_Y * length_m,
+                BodyPart::Foot => DVec3::Z * ((1.0 - placement::HEEL_TO_ANKLE) * length_m),
             }
         };
         let segment_end_m: Vec<DVec3> = (0..BODIES.len()).map(segment_end).collect();
-        let offset = |body| match (Part::of(body), BODIES[body].parent) {
+        let offset = |body| match (BodyPart::new(body), BODIES[body].parent) {
             (_, None) => DVec3::ZERO,
-            (Part::Thigh, _) => DVec3::new(side(body) * hip_m, 0.0, 0.0),
+            (BodyPart::Thigh, _) => DVec3::new(side(body) * hip_m, 0.0, 0.0),
             (_, Some(parent)) => segment_end_m[parent],
         };
         Self { offset_m: (0..BODIES.len()).map(offset).collect(), segment_end_m }
     }
 
-    pub(super) fn skeleton(&self) -> Skeleton<'_> {
+    pub(crate) fn skeleton(&self) -> Skeleton<'_> {
         Skeleton { offset_m: &self.offset_m, segment_end_m: &self.segment_end_m }
     }
 }

@@ -1,0 +1,228 @@
+//! A mapping on one skeleton: names are joints, and lengths metres.
+
+use glam::{DQuat, DVec3};
+use sinew_mocap::skeleton_map::{NoEnd, BodyJoints};
+use sinew_mocap::{Clip, JointSample, Skeleton, forward_kinematics};
+
+use super::file::{Error, Mapping, Mistake};
+use super::known::joint_names;
+use crate::body::{BODIES, Body};
+use crate::motion::FigureMotion;
+
+/// The two sides of a skeleton are not of one body.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error(
+    "{part}: expected sides of about one length, found {left_m:.3} m on the left and {right_m:.3} m on the right: an \
+     offset in the file is damaged, or the mapping wrong"
+)]
+pub struct UnlikeSides {
+    /// The limb.
+    pub part: String,
+    /// On the left.
+    pub left_m: f64,
+    /// On the right.
+    pub right_m: f64,
+}
+
+/// A mapping bound to one skeleton: names are joints now, and lengths metres.
+#[derive(Debug, Clone)]
+pub struct Binding {
+    /// The joint at the origin of each body.
+    origin: Vec<usize>,
+    /// The joint whose frame each body has.
+    rotation: Vec<usize>,
+    /// Position of each body's origin in its parent's frame, in metres; zero for the pelvis.
+    pub(super) offset_m: Vec<DVec3>,
+    /// End of each body's segment in its own frame, in metres.
+    pub(super) segment_end_m: Vec<DVec3>,
+}
+
+/// Where a body is on the skeleton.
+#[derive(Debug, Clone, Copy)]
+struct Placed {
+    origin: usize,
+    rotation: usize,
+    end_m: DVec3,
+}
+
+impl Placed {
+    /// Body `i`, its parent placed before; `None` if a mistake leaves nothing to go on with.
+    fn new(
+        i: usize,
+        part: &BodyJoints,
+        prefix: &str,
+        parent: Option<Self>,
+        (skeleton, rest_m): (&Skeleton, &[DVec3]),
+        mistakes: &mut Vec<Mistake>,
+    ) -> Option<Self> {
+        let body = BODIES[i].name;
+        let mut find = |joint: &str| {
+            let found = skeleton.find(&format!("{prefix}{joint}"));
+            if found.is_none() {
+                mistakes.push(Mistake::NoSuchJoint { body, joint: joint.to_owned() });
+            }
+            found
+        };
+        let (origin, rotation) = (find(&part.origin), find(&part.rotation));
+        let end_m = match part.end.behind(prefix, skeleton, rest_m) {
+            Ok(end_m) => Some(end_m),
+            Err(NoEnd::Joint(joint)) => {
+                mistakes.push(Mistake::NoSuchJoint { body, joint });
+                None
+            }
+            Err(NoEnd::Site(joint)) => {
+                mistakes.push(Mistake::NoEndSite { body, joint });
+                None
+            }
+        };
+        let (origin, rotation) = (origin?, rotation?);
+        if let (Some(parent), Some(of)) = (parent, BODIES[i].parent) {
+            for (key, joint) in [("origin", origin), ("rotation", rotation)] {
+                let at_parent = key == "origin" && joint == parent.origin;
+                if !at_parent && !skeleton.moves_with(parent.rotation, joint) {
+                    let name = |joint: usize| skeleton.joints[joint].name.clone();
+                    mistakes.push(Mistake::BrokenTree {
+                        body,
+                        key,
+                        joint: name(joint),
+                        parent: BODIES[of].name,
+                        parent_joint: name(parent.rotation),
+                    });
+                }
+            }
+        }
+        // Without its end a body can still carry others.
+        Some(Self { origin, rotation, end_m: end_m.unwrap_or_default() })
+    }
+}
+
+impl Binding {
+    /// Binds `mapping` to `skeleton`.
+    ///
+    /// # Errors
+    /// [`Error::Wrong`] with all that does not fit: joints and end sites that the skeleton lacks, bodies that do not
+    /// move with their parents.
+    pub fn new(mapping: &Mapping, skeleton: &Skeleton) -> Result<Self, Error> {
+        let rest_m = skeleton.rest_positions_m();
+        let prefix = mapping.signature.prefix(skeleton).unwrap_or_default();
+        let mut mistakes = Vec::new();
+        let mut placed: Vec<Option<Placed>> = Vec::with_capacity(BODIES.len());
+        for (i, part) in mapping.parts.iter().enumerate() {
+            let parent = BODIES[i].parent.and_then(|parent| placed[parent]);
+            placed.push(Placed::new(i, part, prefix, parent, (skeleton, &rest_m), &mut mistakes));
+        }
+        if !mistakes.is_empty() {
+            mistakes.dedup();
+            let (mapping, found) = (mapping.name.clone(), joint_names(skeleton));
+            return Err(Error::Wrong { mapping, mistakes, found });
+        }
+        let placed: Vec<Placed> = placed.into_iter().flatten().collect();
+        let origin_m = |body: usize| rest_m[placed[body].origin];
+        let offset_m = |(i, body): (usize, &Body)| {
+            body.parent.map_or(DVec3::ZERO, |parent| origin_m(i) - origin_m(parent))
+        };
+        Ok(Self {
+            origin: placed.iter().map(|body| body.origin).collect(),
+            rotation: placed.iter().map(|body| body.rotation).collect(),
+            offset_m: BODIES.iter().enumerate().map(offset_m).collect(),
+            segment_end_m: placed.iter().map(|body| body.end_m - rest_m[body.origin]).collect(),
+        })
+    }
+
+    /// The figure's motion in `clip`, which must be of the skeleton this was bound to.
+    pub fn map(&self, clip: &Clip) -> FigureMotion {
+        let mut motion = FigureMotion {
+            name: clip.name.clone(),
+            dt_s: clip.frame_time_s,
+            offset_m: self.offset_m.clone(),
+            segment_end_m: self.segment_end_m.clone(),
+            root_position_m: Vec::with_capacity(clip.frames.len()),
+            rotation: Vec::with_capacity(clip.frames.len()),
+        };
+        for frame in 0..clip.frames.len() {
+            let world = clip.world_poses(frame);
+            motion.root_position_m.push(world[self.origin[0]].position_m);
+            let turned = |body: usize| world[self.rotation[body]].rotation;
+            let in_parent = BODIES.iter().enumerate().map(|(body, place)| {
+                let parent = place.parent.map_or(DQuat::IDENTITY, turned);
+                (parent.inverse() * turned(body)).normalize()
+            });
+            motion.rotation.push(in_parent.collect());
+        }
+        motion
+    }
+
+    /// The joint at the origin of a body.
+    pub fn joint_of(&self, body: &str) -> Option<usize> {
+        self.origin.get(BODIES.iter().position(|place| place.name == body)?).copied()
+    }
+
+    /// Which joints of `skeleton` turn a body of the figure.
+    pub fn turning_joints(&self, skeleton: &Skeleton) -> Vec<bool> {
+        let mut turns = vec![false; skeleton.joints.len()];
+        for &joint in &self.rotation {
+            let mut joint = Some(joint);
+            while let Some(j) = joint {
+                turns[j] = true;
+                joint = skeleton.joints[j].parent;
+            }
+        }
+        turns
+    }
+
+    /// How tall the figure stands upright, from the ankle to the crown, in metres.
+    pub fn height_m(&self) -> f64 {
+        let of = |name: &str, vectors: &[DVec3]| {
+            let body = BODIES.iter().position(|body| body.name == name);
+            body.map_or(0.0, |body| vectors[body].length())
+        };
+        let leg_m = of("shank_l", &self.offset_m) + of("foot_l", &self.offset_m);
+        let trunk_m: f64 =
+            ["abdomen", "thorax", "head"].map(|name| of(name, &self.offset_m)).iter().sum();
+        leg_m + trunk_m + of("head", &self.segment_end_m)
+    }
+
+    /// Refuses limbs of which one side is longer by half than the other: both hang on one body. What shall be found
+    /// is a damaged digit, and how unlike real sides can be is not known to us: both numbers are choices. One digit
+    /// in the first place changes a length by half of it or more where that digit is small (1 to 2, 3 to 5), or where
+    /// a digit more makes it ten times as long; what is smaller harms in proportion, and passes.
+    ///
+    /// # Errors
+    /// If the two sides of a limb differ by half or more.
+    pub fn check_sides(&self) -> Result<(), UnlikeSides> {
+        for (left, body) in BODIES.iter().enumerate() {
+            let Some(part) = body.name.strip_suffix("_l") else { continue };
+            let other = |other: &Body| other.name.strip_suffix("_r") == Some(part);
+            let Some(right) = BODIES.iter().position(other) else { continue };
+            for lengths_m in [&self.offset_m, &self.segment_end_m] {
+                let [left_m, right_m] = [left, right].map(|side| lengths_m[side].length());
+                // Bones shorter than this are those of hands, feet and clavicles, whose ends makers place as they like.
+                if (left_m - right_m).abs() > 0.1 && left_m.max(right_m) > 1.5 * left_m.min(right_m)
+                {
+                    return Err(UnlikeSides { part: part.to_owned(), left_m, right_m });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// World position of each body's origin joint in one frame of the recording, in metres.
+    pub fn joint_positions_m(&self, skeleton: &Skeleton, frame: &[JointSample]) -> Vec<DVec3> {
+        let world = forward_kinematics(skeleton, frame);
+        self.origin.iter().map(|joint| world[*joint].position_m).collect()
+    }
+
+    /// The largest distance over `clip` between each body's origin in `motion` and the joint of the
+    /// recording that it stands for, in metres: what the figure's stiff trunk and neck cost.
+    pub fn worst_distance_m(&self, clip: &Clip, motion: &FigureMotion) -> Vec<f64> {
+        let mut worst_m = vec![0.0; BODIES.len()];
+        for (f, frame) in clip.frames.iter().enumerate() {
+            let recorded = self.joint_positions_m(&clip.skeleton, frame);
+            let mapped = motion.world_positions_m(f);
+            for i in 0..BODIES.len() {
+                worst_m[i] = f64::max(worst_m[i], recorded[i].distance(mapped[i]));
+            }
+        }
+        worst_m
+    }
+}
