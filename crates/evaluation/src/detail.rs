@@ -83,6 +83,7 @@ impl Histogram {
     /// They end at 2^10; larger values count in the last bin.
     const BINS: usize = (14 + 10) << 3;
 
+    #[inline]
     fn add(&mut self, value: f64) {
         let bin = (value.to_bits() >> Self::SHIFT).saturating_sub(Self::FIRST);
         let bin = usize::try_from(bin).map_or(Self::BINS - 1, |bin| bin.min(Self::BINS - 1));

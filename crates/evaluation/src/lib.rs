@@ -7,8 +7,9 @@
 //!   by body, by size and over time, in bounded memory.
 //! - `disturbance` holds what the controller does not know of a rig: `sensors`, `drives` (over `friction`) and `supply`
 //!   act accordingly.
-//! - `motion` is what can be tracked; [`exercise`] makes motions of a user's rig; [`robustness`] varies rigs as built,
-//!   and latencies.
+//! - `motion` is what can be tracked; [`exercise`] makes motions of a user's rig.
+//! - `trial` tracks all motions with one setup; [`robustness`] does so on many rigs as they are built, [`latency`] with
+//!   ever later torques.
 //! - [`optimum`] finds the nearest poses by Newton's method in O(n), in f64 and without code of `core`; [`mod@pareto`]
 //!   finds Pareto fronts.
 //! - [`paper`] holds the paper's numbers; [`mod@report`] writes tables, JSON and CSV.
@@ -24,6 +25,7 @@ mod evaluation;
 pub mod exercise;
 mod friction;
 mod importance_weights;
+pub mod latency;
 mod likeness;
 mod metrics;
 mod motion;
@@ -43,6 +45,7 @@ mod supply;
 pub mod sweep;
 #[cfg(test)]
 mod tests;
+mod trial;
 
 pub use sinew_core::tracker::MethodName;
 
@@ -63,3 +66,4 @@ pub use rig::Rig;
 pub use run::Run;
 pub use setup::{BodySource, RigTracker, Setup};
 pub use step::Step;
+pub use trial::{Lost, TRACKS_BELOW_DEG, Trial, run_trial};

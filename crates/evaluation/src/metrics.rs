@@ -78,6 +78,7 @@ impl Errors {
 }
 
 impl ErrorTotals {
+    #[inline]
     pub(super) fn add(&mut self, error: &PoseError) {
         let PoseError { angular_rad, linear_m } = *error;
         self.n += 1;

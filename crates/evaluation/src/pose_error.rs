@@ -14,6 +14,7 @@ pub struct PoseError {
 
 impl PoseError {
     /// Compares the poses of all bodies, in the world.
+    #[inline]
     pub fn between(desired: &[Pose], measured: &[Pose]) -> impl Iterator<Item = Self> {
         desired.iter().zip(measured).map(|(desired, measured)| Self {
             angular_rad: angle_between_rad(desired.rotation, measured.rotation),

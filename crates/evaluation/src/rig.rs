@@ -49,21 +49,25 @@ impl Rig {
     }
 
     /// The bodies and their joints, parents before children.
+    #[inline]
     pub fn links(&self) -> &[Link] {
         &self.mechanism.bodies
     }
 
     /// The weights of its joints in the error of a whole pose.
+    #[inline]
     pub fn importance_weights(&self) -> &ImportanceWeights {
         &self.weights
     }
 
     /// The first body whose error counts. A figure whose pelvis is fixed counts whole, as it always has.
+    #[inline]
     pub fn first_judged(&self) -> usize {
         self.first_judged
     }
 
     /// Whether no joint hangs on a body.
+    #[inline]
     pub fn is_leaf(&self, body: usize) -> bool {
         self.leaves.get(body).copied().unwrap_or_default()
     }

@@ -1,53 +1,170 @@
-//! What a real rig does to a setup: masses that nobody knows, sensors in steps, drives that come late.
+//! Methods on rigs as they are built: masses that nobody knows, sensors in steps, drives that come late.
 
-use rayon::prelude::*;
 use sinew_core::tracker::MethodName;
 
-use super::capacity::MAX_LATENCY_STEPS;
-use super::controller::narrow;
-use super::error::RunError;
+use super::error::SetupError;
 use super::metrics::Errors;
-use super::motion::EvaluatedMotion;
-use super::run::Run;
+use super::motion::{EvaluatedMotion, count_steps};
 use super::setup::Setup;
+use super::trial::{Lost, Trial, run_trial};
 
-/// The errors of one setup over all clips, or the clip that the figure was lost on.
-pub type Trial = Result<Errors, Lost>;
-
-/// A figure that was lost.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{clip}: {kind}")]
-pub struct Lost {
-    /// The clip.
-    pub clip: String,
-    /// How.
-    pub kind: RunError,
+/// The protocol of a robustness evaluation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RobustnessProtocol {
+    /// What all runs have in common; the method and the rig vary.
+    pub setup: Setup,
+    /// Methods to compare.
+    pub methods: Vec<MethodName>,
+    /// Rotation weights of the projection, in metres: `recommended` is tracked with each of them, too.
+    pub projection_weights: Vec<f32>,
+    /// Number of rigs. Their seeds are 1 and up.
+    pub rigs: u64,
+    /// Use only this much of the beginning of every motion, in seconds.
+    pub seconds: Option<f64>,
 }
 
-/// Tracks all clips with one setup, in parallel; the result does not depend on the number of threads.
-///
-/// # Errors
-/// [`Lost`]: the first clip, in their order, that the figure was lost on.
-pub fn trial(motions: &[impl EvaluatedMotion], setup: &Setup, seconds: Option<f64>) -> Trial {
-    let runs: Vec<Trial> = motions
-        .par_iter()
-        .enumerate()
-        .map(|(stream, motion)| {
-            let errors = Run::new(motion, setup, seconds, stream as u64).and_then(Run::measure);
-            errors
-                .map(|(errors, _)| errors)
-                .map_err(|kind| Lost { clip: motion.name().to_owned(), kind })
-        })
-        .collect();
-    let mut total = Errors::default();
-    for errors in runs {
-        total.merge(&errors?);
+/// A method, or the recommended one with a weight of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variant {
+    /// The name, for tables.
+    pub name: String,
+    /// The setup of the first rig.
+    setup: Setup,
+}
+
+/// The result of a robustness evaluation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Robustness {
+    /// The methods, which are the first variants.
+    pub methods: Vec<MethodName>,
+    /// The methods, then `recommended` with each weight.
+    pub variants: Vec<Variant>,
+    /// For each rig one trial of each variant.
+    pub trials: Vec<Vec<Trial>>,
+}
+
+impl Variant {
+    fn setup_of_rig(&self, seed: u64) -> Setup {
+        let mut setup = self.setup.clone();
+        setup.disturbance.seed = seed;
+        setup
     }
-    Ok(total)
+
+    /// Whether its targets are poses of the rig itself, found for angle and distance together.
+    pub fn projects(&self) -> bool {
+        use MethodName::{ManifoldProjection, Recommended};
+        matches!(self.setup.controller.method, ManifoldProjection | Recommended)
+    }
 }
 
-/// A rig as they come: masses off by up to 15 %, joint sensors of 12 bits, one step of latency; this one of
-/// many.
+impl RobustnessProtocol {
+    fn variants(&self) -> Vec<Variant> {
+        let of_method = |method: &MethodName| Variant {
+            name: method.to_string(),
+            setup: as_built(&self.setup, *method, 1),
+        };
+        let of_weight = |rotation_m: &f32| {
+            let mut setup = as_built(&self.setup, MethodName::Recommended, 1);
+            setup.controller.projection.rotation_m = *rotation_m;
+            Variant { name: format!("recommended, {rotation_m} m"), setup }
+        };
+        let weights = self.projection_weights.iter().map(of_weight);
+        self.methods.iter().map(of_method).chain(weights).collect()
+    }
+
+    /// Checks the setups of all variants.
+    ///
+    /// # Errors
+    /// [`SetupError`], the first.
+    pub fn check(&self) -> Result<(), SetupError> {
+        self.variants().iter().try_for_each(|variant| variant.setup.check())
+    }
+
+    /// Counts the steps of one trial.
+    pub fn count_trial_steps(&self, motions: &[impl EvaluatedMotion]) -> usize {
+        motions.iter().map(|motion| count_steps(motion, self.seconds)).sum()
+    }
+
+    /// Counts the steps of all trials, for a progress bar.
+    pub fn count_all_steps(&self, motions: &[impl EvaluatedMotion]) -> usize {
+        #[expect(clippy::cast_possible_truncation, reason = "as many as are kept in memory")]
+        let rigs = self.rigs as usize;
+        let variants = self.methods.len() + self.projection_weights.len();
+        self.count_trial_steps(motions) * variants * rigs
+    }
+
+    /// Tracks all motions with every variant on every rig, in parallel; the result does not depend on the number of
+    /// threads. `progress` gets the number of steps done, now and then.
+    ///
+    /// # Errors
+    /// [`Lost`] for what is no loss of the figure: a motion that is too short, an invalid setting.
+    pub fn run(
+        &self,
+        motions: &[impl EvaluatedMotion],
+        progress: impl Fn(usize),
+    ) -> Result<Robustness, Lost> {
+        let variants = self.variants();
+        let steps = self.count_trial_steps(motions);
+        let of_rig = |seed: u64| -> Vec<Trial> {
+            let of_variant = |variant: &Variant| {
+                let trial = run_trial(motions, &variant.setup_of_rig(seed), self.seconds);
+                progress(steps);
+                trial
+            };
+            variants.iter().map(of_variant).collect()
+        };
+        let trials: Vec<Vec<Trial>> = (1..=self.rigs).map(of_rig).collect();
+        for trial in trials.iter().flatten() {
+            if let Err(lost) = trial
+                && !lost.kind.is_loss()
+            {
+                return Err(lost.clone());
+            }
+        }
+        Ok(Robustness { methods: self.methods.clone(), variants, trials })
+    }
+}
+
+impl Robustness {
+    /// The median over the rigs of an error of a variant.
+    pub fn median(&self, variant: usize, error: MeanError) -> f64 {
+        let errors = self.trials.iter().map(|trials| error.of_trial(&trials[variant]));
+        median(errors.collect()).unwrap_or(f64::NAN)
+    }
+}
+
+/// An error of a trial, as a mean over all bodies and frames.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MeanError {
+    /// In degrees.
+    Angular,
+    /// In centimetres.
+    Linear,
+    /// Weighted by importance, in centimetres.
+    Weighted,
+}
+
+impl MeanError {
+    /// All, in the order of tables.
+    pub const ALL: [Self; 3] = [Self::Angular, Self::Linear, Self::Weighted];
+
+    /// Returns this error of a trial's errors.
+    pub fn of(self, errors: &Errors) -> f64 {
+        match self {
+            Self::Angular => errors.all.angular_mean_deg(),
+            Self::Linear => errors.all.linear_mean_cm(),
+            Self::Weighted => errors.weighted.mean_cm(),
+        }
+    }
+
+    /// Returns this error of a trial. A rig that is lost is worse than any that is not.
+    pub fn of_trial(self, trial: &Trial) -> f64 {
+        trial.as_ref().map_or(f64::INFINITY, |errors| self.of(errors))
+    }
+}
+
+/// Returns the setup of a rig as it is built: masses off by up to 15 %, joint sensors of 12 bits, one step of latency; `seed` tells rigs
+/// apart.
 #[must_use]
 pub fn as_built(setup: &Setup, method: MethodName, seed: u64) -> Setup {
     let mut setup = setup.clone();
@@ -65,41 +182,6 @@ pub fn median(mut values: Vec<f64>) -> Option<f64> {
     let upper = *values.get(values.len() / 2)?;
     let lower = values[(values.len() - 1) / 2];
     Some(f64::midpoint(lower, upper))
-}
-
-/// A figure tracks while none is lost and the mean angular error of all bodies is below this: beyond, it
-/// flails.
-pub const TRACKS_BELOW_DEG: f64 = 10.0;
-
-/// The largest latency in steps that a figure tracks at, and at every smaller one; `None` if it does not
-/// track without any. The controller knows the latency and looks ahead, or does not.
-///
-/// # Errors
-/// [`Lost`] for what is no loss of the figure: a clip that is too short, a setting that cannot be.
-pub fn largest_latency(
-    motions: &[impl EvaluatedMotion],
-    setup: &Setup,
-    look_ahead: bool,
-    seconds: Option<f64>,
-) -> Result<Option<usize>, Lost> {
-    let mut setup = setup.clone();
-    if let Some(motion) = motions.first() {
-        setup.controller = setup.controller.clone().effective(narrow(motion.dt_s()));
-    }
-    setup.controller.observer.predict = look_ahead;
-    let mut largest = None;
-    for latency_steps in 0..=MAX_LATENCY_STEPS {
-        setup.disturbance.latency_steps = latency_steps;
-        match trial(motions, &setup, seconds) {
-            Ok(errors) if errors.all.angular_mean_deg() < TRACKS_BELOW_DEG => {
-                largest = Some(latency_steps);
-            }
-            Ok(_) => break,
-            Err(lost) if lost.kind.is_loss() => break,
-            Err(other) => return Err(other),
-        }
-    }
-    Ok(largest)
 }
 
 #[cfg(test)]

@@ -64,6 +64,7 @@ impl Random {
     }
 
     /// Uniform in `[low, high)`.
+    #[inline]
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }

@@ -121,7 +121,7 @@ impl Args {
         ];
         output::distinct(&written, &read)?;
         let mapping = self.mapping.as_deref().map(Mapping::named).transpose()?;
-        let settings = Settings { mapping, told: self.units.overrides(), ..Settings::default() };
+        let settings = Settings { mapping, units: self.units.overrides(), ..Settings::default() };
         let read = |reference: &Reference| -> anyhow::Result<(LoadedClip, (usize, usize))> {
             let file = ClipFile::new(&reference.file);
             let (recorded, notices) = load_clip(&file, &settings)?;

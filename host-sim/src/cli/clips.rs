@@ -1,6 +1,7 @@
 //! Options that name what is tracked: clips, or motions of a rig's own joints.
 
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 use std::sync::Arc;
 
 use anyhow::bail;
@@ -10,7 +11,7 @@ use sinew_evaluation::exercise::{Exercise, ExerciseSettings, make_exercises};
 use sinew_figure::builtin;
 use sinew_figure::pipeline::{self, Notice, Settings};
 use sinew_figure::{FigureMotion, mapping};
-use sinew_host_util::command::note;
+use sinew_host_util::command::{ThreadArgs, note};
 use sinew_mocap::files::{ClipFile, expand_all};
 use sinew_performance::RigClip;
 use sinew_performance::rig::Loaded;
@@ -82,6 +83,19 @@ impl ClipArgs {
         let clips = self.clips.iter().map(|clip| ("clip", Some(clip.as_path())));
         let others = [("mapping", self.mapping.as_deref()), ("rig", self.rig.as_deref())];
         clips.chain(others).collect()
+    }
+
+    /// Runs `work` with the user's rig, if one is named, in a pool of threads.
+    pub(super) fn in_pool(
+        &self,
+        threads: &ThreadArgs,
+        on_rig: &PerformanceArgs,
+        work: impl FnOnce(Option<&Loaded>) -> anyhow::Result<ExitCode> + Send,
+    ) -> anyhow::Result<ExitCode> {
+        threads.install(|| {
+            let rig = self.rig(on_rig)?;
+            work(rig.as_ref())
+        })
     }
 
     /// The user's rig, if one is named; what its import changed is said on standard error.
@@ -180,7 +194,7 @@ impl ClipArgs {
             mapping: self.mapping.as_deref().map(mapping::Mapping::named).transpose()?,
             rate_hz: self.rate_hz.unwrap_or(100.0),
             frame_rate_hz: self.frame_rate_hz,
-            told: self.units.overrides(),
+            units: self.units.overrides(),
             ..Settings::default()
         };
         settings.check()?;

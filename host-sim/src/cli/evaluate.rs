@@ -7,10 +7,9 @@ use std::process::ExitCode;
 
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
-use sinew_evaluation::robustness::TRACKS_BELOW_DEG;
 use sinew_evaluation::{
-    EvaluateError, EvaluatedMotion, Evaluation, MethodName, Protocol, count_all_steps, evaluate,
-    report,
+    EvaluateError, EvaluatedMotion, Evaluation, MethodName, Protocol, TRACKS_BELOW_DEG,
+    count_all_steps, evaluate, report,
 };
 use sinew_host_util::command::{ThreadArgs, note, print, with_progress};
 use sinew_host_util::output::{self, Folder};
@@ -86,7 +85,7 @@ pub(super) fn scale(text: &str) -> Result<f64, String> {
 pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     ensure_different(&args.scale, "--scale")?;
     ensure_different(&methods(args.methods.as_deref().unwrap_or_default()), "--methods")?;
-    args.threads.install(|| run_in_pool(args))
+    args.clips.in_pool(&args.threads, &args.on_rig, |rig| run_on(args, rig))
 }
 
 pub(super) fn ensure_different<T: PartialEq + Display>(
@@ -99,9 +98,7 @@ pub(super) fn ensure_different<T: PartialEq + Display>(
     Ok(())
 }
 
-fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
-    let rig = args.clips.rig(&args.on_rig)?;
-    let rig = rig.as_ref();
+fn run_on(args: &Args, rig: Option<&Loaded>) -> anyhow::Result<ExitCode> {
     let protocol = args.protocol(rig.map(|rig| &rig.mechanism))?;
     check_fixed(&protocol.setup, &protocol.methods)?;
     // Before the work, not after it.

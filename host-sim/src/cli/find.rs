@@ -134,7 +134,7 @@ impl Args {
             picture::check(path).with_context(|| format!("--picture {}", path.display()))?;
         }
         let mapping = self.mapping.as_deref().map(Mapping::named).transpose()?;
-        let settings = Settings { mapping, told: self.units.overrides(), ..Settings::default() };
+        let settings = Settings { mapping, units: self.units.overrides(), ..Settings::default() };
         let query = Query::read(&self.like, &settings, self.rate_hz)?;
         for notice in &query.notices {
             note(format_args!("{}: {notice}", query.name));

@@ -3,12 +3,12 @@
 use std::process::ExitCode;
 
 use anyhow::ensure;
-use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
-use rayon::prelude::*;
-use sinew_evaluation::robustness::{TRACKS_BELOW_DEG, largest_latency};
-use sinew_evaluation::{EvaluatedMotion, MAX_LATENCY_STEPS, Setup};
+use sinew_evaluation::latency::LatencyProtocol;
+use sinew_evaluation::report::latency_table;
+use sinew_evaluation::{EvaluatedMotion, TRACKS_BELOW_DEG};
 use sinew_figure::Dimensions;
 use sinew_host_util::command::{ThreadArgs, print, with_progress};
+use sinew_performance::rig::Loaded;
 
 use super::clips::{ClipArgs, dimensions, rate, seconds, tell, what};
 use super::evaluate::{ensure_different, scale};
@@ -53,12 +53,10 @@ pub(super) struct Args {
 
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
-    args.threads.install(|| run_in_pool(args))
+    args.clips.in_pool(&args.threads, &PerformanceArgs::default(), |rig| run_on(args, rig))
 }
 
-fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
-    let rig = args.clips.rig(&PerformanceArgs::default())?;
-    let rig = rig.as_ref();
+fn run_on(args: &Args, rig: Option<&Loaded>) -> anyhow::Result<ExitCode> {
     let mut setup = args.setup.setup_on_exact(rig.map(|rig| &rig.mechanism))?;
     ensure!(
         setup.disturbance.latency_steps == 0 && !setup.controller.observer.predict,
@@ -71,17 +69,8 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     ensure_different(&methods, "--methods")?;
     check_fixed(&setup, &methods)?;
     ensure_different(&args.rates_hz, "--rates-hz")?;
-    let setups: Vec<Setup> = methods
-        .iter()
-        .map(|method| {
-            let mut setup = setup.clone();
-            setup.controller = setup.controller.with_method(*method);
-            setup
-        })
-        .collect();
-    for setup in &setups {
-        setup.check()?;
-    }
+    let protocol = LatencyProtocol { setup, methods, seconds: args.seconds };
+    protocol.check()?;
     let mut motions: Vec<(f64, Vec<Box<dyn EvaluatedMotion>>)> = Vec::new();
     for rate in &args.rates_hz {
         let (of_rate, lines) = args.clips.with_rate(*rate).at(*rate, 100.0).takes(rig)?;
@@ -92,60 +81,18 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
         motions.push((*rate, of_rate));
     }
 
-    let mut cells = Vec::new();
-    for method in 0..methods.len() {
-        for look_ahead in [false, true] {
-            for rate in 0..motions.len() {
-                cells.push((method, look_ahead, rate));
-            }
-        }
-    }
-    let largest: Vec<_> = with_progress(cells.len(), |progress| {
-        let cell = |(method, look_ahead, rate): &(usize, bool, usize)| {
-            let (_, motions) = &motions[*rate];
-            let steps = largest_latency(motions, &setups[*method], *look_ahead, Some(args.seconds));
-            progress(1);
-            steps
-        };
-        cells.par_iter().map(cell).collect()
-    });
-    let largest = largest.into_iter().collect::<Result<Vec<Option<usize>>, _>>()?;
-    let mut largest = largest.into_iter();
-    let mut table = Table::new();
-    table.load_style(ASCII_MARKDOWN);
-    let heading = ["method", "looks ahead"].map(str::to_owned).into_iter();
-    table.set_header(heading.chain(args.rates_hz.iter().map(|rate| format!("{rate:.0} Hz"))));
-    for method in &methods {
-        for look_ahead in ["no", "yes"] {
-            let cells: Vec<String> = args
-                .rates_hz
-                .iter()
-                .zip(&mut largest)
-                .map(|(rate, steps)| shown(*rate, steps))
-                .collect();
-            table.add_row([method.to_string(), look_ahead.to_owned()].into_iter().chain(cells));
-        }
-    }
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
+    let limits = with_progress(protocol.count_cells(motions.len()), |progress| {
+        protocol.run(&motions, progress)
+    })?;
     let (_, first) = &motions[0];
     print(&format!(
         "{}, their first {} s{}; plant: {}\n\
-         the largest latency at which no figure is lost and the mean angular error is below {TRACKS_BELOW_DEG} deg\n\n{table}\n",
+         the largest latency at which no figure is lost and the mean angular error is below {TRACKS_BELOW_DEG} deg\n\n{}\n",
         what(rig, first.len()),
         args.seconds,
         dimensions(rig, args.scale),
-        setup.plant.description(),
+        protocol.setup.plant.description(),
+        latency_table(&limits),
     ))?;
     Ok(ExitCode::SUCCESS)
-}
-
-fn shown(rate_hz: f64, steps: Option<usize>) -> String {
-    match steps {
-        None => "-".to_owned(),
-        Some(1) => format!("1 step, {:.0} ms", 1e3 / rate_hz),
-        Some(MAX_LATENCY_STEPS) => format!("{MAX_LATENCY_STEPS} steps or more"),
-        Some(steps) => format!("{steps} steps, {:.0} ms", steps as f64 * 1e3 / rate_hz),
-    }
 }

@@ -113,7 +113,7 @@ impl PerformanceArgs {
         let mapping = mapping.map(read_mapping).transpose()?;
         let settings = ClipSettings {
             cutoff_hz: Some(self.cutoff_hz.unwrap_or(defaults.cutoff_hz)).filter(|hz| *hz > 0.0),
-            told: units.overrides(),
+            units: units.overrides(),
         };
         let mut clip = PreparedClip::read(&ClipFile::new(path), settings)?;
         if let Some(seconds) = seconds {

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::ensure;
-use sinew_evaluation::sweep::{self, Journal, ParetoFront, Plan, Shard, Summary, SweepFile};
-use sinew_evaluation::{Errors, EvaluatedMotion as _, count_steps};
+use sinew_evaluation::sweep::{self, Journal, Plan, Shard, SweepFile};
+use sinew_evaluation::{EvaluatedMotion as _, count_steps};
 use sinew_host_util::command::{ThreadArgs, note, print, with_progress};
+use sinew_performance::rig::Loaded;
 
 use super::clips::{ClipArgs, seconds, tell};
 use super::performance::PerformanceArgs;
@@ -69,12 +70,10 @@ pub(super) struct Args {
 
 /// Runs the subcommand. Lost figures are results: they do not make it fail.
 pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
-    args.threads.install(|| run_in_pool(args))
+    args.clips.in_pool(&args.threads, &PerformanceArgs::default(), |rig| run_on(args, rig))
 }
 
-fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
-    let rig = args.clips.rig(&PerformanceArgs::default())?;
-    let rig = rig.as_ref();
+fn run_on(args: &Args, rig: Option<&Loaded>) -> anyhow::Result<ExitCode> {
     let file = SweepFile::read(&args.file, rig.map(|rig| &rig.mechanism))?;
     if file.repeated > 0 {
         note(format_args!(
@@ -93,8 +92,7 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
     let plan = Plan::new(file, &motions, args.seconds, shard);
     if args.dry_run {
         let (cells, runs) = (plan.shard_cells().count(), plan.units().count());
-        let steps: usize =
-            plan.units().map(|unit| count_steps(&motions[unit.clip], args.seconds)).sum();
+        let steps = plan.count_steps(&motions);
         print(&format!("{cells} cells, {runs} runs, {steps} steps\n"))?;
         return Ok(ExitCode::SUCCESS);
     }
@@ -103,98 +101,11 @@ fn run_in_pool(args: &Args) -> anyhow::Result<ExitCode> {
         note(format_args!("{}: {notice}", args.output.display()));
     }
     let summary = if args.merge.is_empty() {
-        let steps = sweep::steps_left(&plan, &journal, &motions);
+        let steps = sweep::count_missing_steps(&plan, &journal, &motions);
         with_progress(steps, |progress| sweep::sweep(&plan, journal, &motions, progress))?
     } else {
         sweep::merge(&plan, journal, &args.merge)?
     };
-    print(&told(&summary, &plan))?;
+    print(&summary.text(&plan))?;
     Ok(ExitCode::SUCCESS)
-}
-
-fn told(summary: &Summary, plan: &Plan) -> String {
-    let Summary { cells, run, resumed, lost, ranking, fronts, files } = summary;
-    let mut lines = vec![format!("{cells} cells; {run} runs made, {resumed} taken over")];
-    if *lost > 0 {
-        lines.push(format!("the figure was lost in {lost} cells"));
-    }
-    let own = own_settings(plan);
-    if !fronts.is_empty() {
-        lines.push("front of mean linear over mean angular error of all joints:".to_owned());
-        lines.extend(fronts.iter().take(FRONTS).flat_map(|front| of_front(front, &own)));
-        if fronts.len() > FRONTS {
-            lines.push(format!("  and of {} more tasks, see on_front", fronts.len() - FRONTS));
-        }
-    }
-    if ranking.len() > 1 {
-        lines.push("mean linear error of all bodies, smallest and largest:".to_owned());
-        lines.extend(extremes(ranking, &own));
-    }
-    lines.extend(files.iter().map(|file| file.display().to_string()));
-    lines.push(String::new());
-    lines.join("\n")
-}
-
-/// How many cells of either end are shown.
-const SHOWN: usize = 3;
-
-/// How many fronts are shown, and how many cells of each.
-const FRONTS: usize = 8;
-const FRONT_CELLS: usize = 20;
-
-/// Of every cell, what not all cells have in common.
-fn own_settings(plan: &Plan) -> Vec<Vec<String>> {
-    let mut own: Vec<Vec<String>> =
-        plan.cells.iter().map(|cell| cell.setup.differences()).collect();
-    let common: Vec<String> = own[0]
-        .iter()
-        .filter(|line| own.iter().all(|lines| lines.contains(line)))
-        .cloned()
-        .collect();
-    for lines in &mut own {
-        lines.retain(|line| !common.contains(line));
-    }
-    own
-}
-
-/// The task of a front, and its cells.
-fn of_front(front: &ParetoFront, own: &[Vec<String>]) -> Vec<String> {
-    let is_task = |line: &&String| !line.starts_with("controller.");
-    let listed = |lines: Vec<&str>| match lines.as_slice() {
-        [] => "nothing else set".to_owned(),
-        lines => lines.join(", "),
-    };
-    let cells = front.cells.iter().take(FRONT_CELLS);
-    let mut lines: Vec<String> = cells
-        .map(|(cell, errors)| {
-            let set = own[*cell].iter().filter(|line| !is_task(line)).map(String::as_str).collect();
-            let (angular, linear) = (errors.all.angular_mean_deg(), errors.all.linear_mean_cm());
-            let weighted = errors.weighted.mean_cm();
-            format!("  {angular:>9.4} deg {linear:>9.4} cm {weighted:>9.4} cm weighted  cell {cell:<5} {}", listed(set))
-        })
-        .collect();
-    if let Some((first, _)) = front.cells.first() {
-        let task = own[*first].iter().filter(is_task).map(String::as_str).collect();
-        let heading = format!("  {} of {} cells; {}", front.cells.len(), front.of, listed(task));
-        lines.insert(0, heading);
-    }
-    if front.cells.len() > FRONT_CELLS {
-        lines.push(format!("  and {} more", front.cells.len() - FRONT_CELLS));
-    }
-    lines
-}
-
-/// The first and last cells of a ranking.
-fn extremes(ranking: &[(usize, Errors)], own: &[Vec<String>]) -> Vec<String> {
-    let last = ranking.len().saturating_sub(SHOWN).max(SHOWN);
-    let ends = ranking.iter().take(SHOWN).chain(ranking.iter().skip(last));
-    ends.map(|(cell, errors)| {
-        let own = if own[*cell].is_empty() {
-            "nothing else set".to_owned()
-        } else {
-            own[*cell].join(", ")
-        };
-        format!("  {:>9.4} cm  cell {cell:<5} {own}", errors.all.linear_mean_cm())
-    })
-    .collect()
 }

@@ -105,7 +105,7 @@ enum Format {
 
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    let options = Options { told: args.units.overrides(), frame: args.frame };
+    let options = Options { units: args.units.overrides(), frame: args.frame };
     let character = character::read(&args.character, &options)?;
     for line in character.notes() {
         note(format_args!("note: {}: {line}", character.name()));

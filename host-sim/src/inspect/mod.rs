@@ -31,9 +31,9 @@ pub(crate) enum Entry {
 
 impl Entry {
     /// Looks at a file.
-    pub(crate) fn of(path: &Path, told: UnitOverrides) -> Self {
+    pub(crate) fn of(path: &Path, units: UnitOverrides) -> Self {
         let file = path.display().to_string();
-        match inspect(path, told) {
+        match inspect(path, units) {
             Ok(inspected) => Self::Read(Box::new(Inspected { file, ..inspected })),
             Err(error) => Self::Unread { file, error },
         }
@@ -59,12 +59,12 @@ impl Entry {
 }
 
 /// The readers are asked by the kind that the name says; what no name says may be a motion by its content.
-fn inspect(path: &Path, told: UnitOverrides) -> Result<Inspected, String> {
+fn inspect(path: &Path, units: UnitOverrides) -> Result<Inspected, String> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     match extension.to_str().unwrap_or_default() {
-        "bin" | "glb" | "gltf" | "vrm" => rest::character(path, told),
-        "urdf" | "xml" | "toml" | "mjcf" | "xacro" => rig::rig(path, told),
-        _ => motion::motion(path, told),
+        "bin" | "glb" | "gltf" | "vrm" => rest::character(path, units),
+        "urdf" | "xml" | "toml" | "mjcf" | "xacro" => rig::rig(path, units),
+        _ => motion::motion(path, units),
     }
 }
 

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use sinew_core::tracker::Differences;
-use sinew_evaluation::robustness::{as_built, median, trial};
-use sinew_evaluation::{Errors, MethodName, Protocol, Setup, evaluate};
+use sinew_evaluation::robustness::{as_built, median};
+use sinew_evaluation::{Errors, MethodName, Protocol, Setup, evaluate, run_trial};
 use sinew_figure::pipeline::{self, Settings, prepare};
 use sinew_figure::plant::PlantKind;
 use sinew_figure::{Dimensions, FigureMotion};
@@ -86,7 +86,7 @@ fn recommended_is_below_world_and_linear_compensation_on_the_median_rig() {
     let median_of = |method| {
         let rigs: Vec<[f64; 4]> = (1..=10)
             .map(|seed| {
-                means(&trial(&motions, &as_built(&setup, method, seed), Some(3.0)).unwrap())
+                means(&run_trial(&motions, &as_built(&setup, method, seed), Some(3.0)).unwrap())
             })
             .collect();
         [0, 1].map(|mean| median(rigs.iter().map(|rig| rig[mean]).collect()).unwrap())

@@ -10,6 +10,7 @@ mod file;
 mod journal;
 mod pareto;
 mod plan;
+mod summary;
 mod table;
 
 use std::path::{Path, PathBuf};
@@ -17,7 +18,6 @@ use std::sync::Mutex;
 
 use rayon::prelude::*;
 
-use crate::metrics::Errors;
 use crate::motion::{EvaluatedMotion, count_steps};
 use crate::run::Run;
 
@@ -26,29 +26,14 @@ pub use file::{Cell, SweepFile};
 pub use journal::{Journal, Notice, Outcome};
 pub use pareto::ParetoFront;
 pub use plan::{Plan, Shard, Unit};
+pub use summary::Summary;
 
-/// What a sweep came to.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Summary {
-    /// Cells of this shard.
-    pub cells: usize,
-    /// Units that were run now.
-    pub run: usize,
-    /// Units that the journal had.
-    pub resumed: usize,
-    /// Cells whose figure was lost on some clip.
-    pub lost: usize,
-    /// All others with their errors over all clips, the smallest mean linear error first.
-    pub ranking: Vec<(usize, Errors)>,
-    /// What is on the front of mean linear over mean angular error of all joints, for each task of several
-    /// cells; of a shard, nothing.
-    pub fronts: Vec<ParetoFront>,
-    /// The tables.
-    pub files: Vec<PathBuf>,
-}
-
-/// Steps of the units that the journal lacks, for a progress bar.
-pub fn steps_left(plan: &Plan, journal: &Journal, motions: &[impl EvaluatedMotion]) -> usize {
+/// Counts the steps of the units that the journal lacks, for a progress bar.
+pub fn count_missing_steps(
+    plan: &Plan,
+    journal: &Journal,
+    motions: &[impl EvaluatedMotion],
+) -> usize {
     let missing = plan.units().filter(|unit| !journal.has(*unit));
     missing.map(|unit| count_steps(&motions[unit.clip], plan.seconds)).sum()
 }

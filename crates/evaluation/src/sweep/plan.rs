@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 
 use super::file::{Cell, SweepFile};
-use crate::EvaluatedMotion;
+use crate::motion::{EvaluatedMotion, count_steps};
 
 /// What is to be run.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,6 +99,11 @@ impl Plan {
     pub fn units(&self) -> impl Iterator<Item = Unit> + '_ {
         self.shard_cells()
             .flat_map(|cell| (0..self.clips.len()).map(move |clip| Unit { cell, clip }))
+    }
+
+    /// Counts the steps of the units of this shard.
+    pub fn count_steps(&self, motions: &[impl EvaluatedMotion]) -> usize {
+        self.units().map(|unit| count_steps(&motions[unit.clip], self.seconds)).sum()
     }
 
     /// SHA-256 of all setups, in hexadecimal: the grids may be written otherwise, what is run may not.

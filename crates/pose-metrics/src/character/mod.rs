@@ -36,7 +36,7 @@ pub fn read(path: &Path, options: &Options) -> Result<Character, Error> {
         // URDF has z up, and its reader has turned that: what is told is told of the file's axes.
         let up = if kind == Some("urdf") { urdf::in_character } else { |axis| axis };
         let refused = |refusal| Error::Refused { file: path.to_path_buf(), refusal };
-        size::of_format(character, options.told, up, kind == Some("urdf")).map_err(refused)
+        size::of_format(character, options.units, up, kind == Some("urdf")).map_err(refused)
     };
     if matches!(kind, Some("bin" | "glb" | "gltf" | "vrm" | "urdf")) {
         options

@@ -8,7 +8,7 @@ use super::error::{Refusal, refuse};
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Options {
     /// The length of its unit, and which axis points up.
-    pub told: UnitOverrides,
+    pub units: UnitOverrides,
     /// The frame of a motion whose pose is the rest pose; without, all rotations are zero.
     pub frame: Option<usize>,
 }

@@ -30,6 +30,7 @@ pub(super) struct Articulated {
 impl Articulated {
     /// Returns a body by itself: Newton's and Euler's equations about its joint. The mass comes in kg, the first moment
     /// in kg m and the rotational inertia in kg m², in body axes.
+    #[inline]
     pub(super) fn of_body(
         world: &World,
         mass_kg: f64,
@@ -72,6 +73,7 @@ impl Articulated {
     }
 
     /// Adds a child that passes on all that its bearings carry.
+    #[inline]
     pub(super) fn carry_all(&mut self, child: &World, passed: &Self) {
         let turned = times_skew_transposed(passed.coupling, child.arm_m);
         let coupling = skew_times(child.arm_m, passed.mass);
@@ -93,6 +95,7 @@ impl Articulated {
     }
 
     /// Torque and force that an acceleration takes.
+    #[inline]
     pub(super) fn push(&self, by: MotionAxis) -> MotionAxis {
         MotionAxis {
             angular: self.rotational * by.angular + self.coupling * by.linear,
@@ -101,12 +104,14 @@ impl Articulated {
     }
 
     /// The same with the biases.
+    #[inline]
     pub(super) fn feel(&self, by: MotionAxis) -> MotionAxis {
         let MotionAxis { angular, linear } = self.push(by);
         MotionAxis { angular: angular + self.torque_bias, linear: linear + self.force_bias }
     }
 
     /// Takes the product of two columns off.
+    #[inline]
     pub(super) fn take(&mut self, a: MotionAxis, b: MotionAxis) {
         let outer = |a: DVec3, b: DVec3| DMat3::from_cols(a * b.x, a * b.y, a * b.z);
         self.rotational -= outer(a.angular, b.angular);

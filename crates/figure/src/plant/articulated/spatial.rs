@@ -15,10 +15,12 @@ pub(super) struct MotionAxis {
 }
 
 impl MotionAxis {
+    #[inline]
     pub(super) fn dot(self, other: Self) -> f64 {
         self.angular.dot(other.angular) + self.linear.dot(other.linear)
     }
 
+    #[inline]
     pub(super) fn plus(self, other: Self, factor: f64) -> Self {
         Self {
             angular: self.angular + other.angular * factor,
@@ -57,6 +59,7 @@ pub(super) struct World {
 }
 
 /// The matrix of `v ×`.
+#[inline]
 pub(super) fn skew(v: DVec3) -> DMat3 {
     DMat3::from_cols(
         DVec3::new(0.0, v.z, -v.y),
