@@ -12,7 +12,8 @@ use super::*;
 /// Shows `read` a report of 2 s of the arm's motions, by every method of a rig.
 fn with_report(read: impl FnOnce(&Report<'_>)) {
     let arm = arm();
-    let settings = ExerciseSettings { shares: vec![0.6], seconds: 2.0, ..ExerciseSettings::default() };
+    let settings =
+        ExerciseSettings { shares: vec![0.6], seconds: 2.0, ..ExerciseSettings::default() };
     let takes = make_exercises("six<", &arm, &settings).unwrap();
     let all = MethodName::ALL.into_iter().filter(|method| *method != MethodName::Accumulated);
     let mut protocol = Protocol {
