@@ -1,6 +1,5 @@
 //! A clip of any skeleton, read and cleaned for a rig.
 
-
 use sinew_figure::measured::{MappingSource, Measured, UnitOverrides};
 use sinew_figure::pipeline::tpose;
 use sinew_figure::{builtin, limb_landmark, mapping};

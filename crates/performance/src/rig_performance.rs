@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context as _, ensure};
 use sinew_mocap::{Kind, read};
 use sinew_retarget::feasibility::{
-    Fit, FitSettings, Limits, LoopError, Looped, Report, RigMotion, check, fit, looped,
+    Fit, FitSettings, Limits, LoopError, LoopedMotion, Report, RigMotion, check, fit, looped,
 };
 use sinew_retarget::mapping::Mapping;
 use sinew_rig::Mechanism;
@@ -52,7 +52,7 @@ pub struct RigPerformance {
     /// The limits of the rig.
     pub limits: Limits,
     /// What was done for a loop; its motion is in `clip`.
-    pub looped: Option<Looped>,
+    pub looped: Option<LoopedMotion>,
     /// The motion within the limits, if it was to be fitted.
     pub fit: Option<Fit>,
     loop_blend_s: Option<f64>,
@@ -73,7 +73,7 @@ impl RigPerformance {
         let mechanism = &rig.mechanism;
         let limits = Limits::of(mechanism, &Servos::of(&rig.description, mechanism)?);
         let on_rig = || format!("{name} on {}", rig.description.name);
-        let led = |blend_s| -> Result<Looped, LoopError> {
+        let led = |blend_s| -> Result<LoopedMotion, LoopError> {
             let looped = looped(mechanism, &clip.motion, blend_s)?;
             // A fit brings all of it within the limits.
             if !choices.fit {

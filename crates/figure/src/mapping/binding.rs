@@ -1,7 +1,7 @@
 //! A mapping on one skeleton: names are joints, and lengths metres.
 
 use glam::{DQuat, DVec3};
-use sinew_mocap::skeleton_map::{NoEnd, BodyJoints};
+use sinew_mocap::skeleton_map::{BodyJoints, MissingEnd};
 use sinew_mocap::{Clip, JointSample, Skeleton, forward_kinematics};
 
 use super::file::{Error, Mapping, Mistake};
@@ -66,11 +66,11 @@ impl Placed {
         let (origin, rotation) = (find(&part.origin), find(&part.rotation));
         let end_m = match part.end.behind(prefix, skeleton, rest_m) {
             Ok(end_m) => Some(end_m),
-            Err(NoEnd::Joint(joint)) => {
+            Err(MissingEnd::Joint(joint)) => {
                 mistakes.push(Mistake::NoSuchJoint { body, joint });
                 None
             }
-            Err(NoEnd::Site(joint)) => {
+            Err(MissingEnd::Site(joint)) => {
                 mistakes.push(Mistake::NoEndSite { body, joint });
                 None
             }

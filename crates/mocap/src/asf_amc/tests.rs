@@ -1,3 +1,5 @@
+use glam::{DQuat, DVec3};
+
 use std::f64::consts::FRAC_PI_2;
 
 use proptest::prelude::*;

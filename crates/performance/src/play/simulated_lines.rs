@@ -80,14 +80,14 @@ fn servo<'a>(
     };
     let mut servo = Servo::new(&part.own.kind, id, memory).map_err(failed)?;
     servo.set_baud(parts.lines[part.place.0].baud).map_err(failed)?;
-    let demand = parts.setups[index].demand(&parts.board.servos()[index].servo);
+    let requirements = parts.setups[index].requirements(&parts.board.servos()[index].servo);
     let mut set = |setting: settings::Setting| servo.set(setting.item.address, setting.raw);
     match RegisterTable::of(&part.own.kind.name) {
         Some(RegisterTable::Dynamixel(table)) => {
-            settings::dynamixel(table, demand).for_each(&mut set);
+            settings::dynamixel(table, requirements).for_each(&mut set);
         }
         Some(RegisterTable::Feetech(table)) => {
-            settings::feetech(table.model.family, demand).for_each(&mut set);
+            settings::feetech(table.model.family, requirements).for_each(&mut set);
         }
         // `Parts` has refused kinds with an id that have none.
         None => {}
