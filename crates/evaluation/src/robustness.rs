@@ -163,8 +163,8 @@ impl MeanError {
     }
 }
 
-/// Returns the setup of a rig as it is built: masses off by up to 15 %, joint sensors of 12 bits, one step of latency; `seed` tells rigs
-/// apart.
+/// Returns the setup of a rig as it is built: masses off by up to 15 %, joint sensors of 12 bits, one step of latency;
+/// `seed` tells rigs apart.
 #[must_use]
 pub fn as_built(setup: &Setup, method: MethodName, seed: u64) -> Setup {
     let mut setup = setup.clone();

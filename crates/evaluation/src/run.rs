@@ -18,7 +18,8 @@ use super::step::Step;
 /// A rig of short bones is not lost as long as it is nearer than this.
 const LOST_LEAST_M: f64 = 0.1;
 
-/// A run, made and not begun: a motion, the rig that performs it, its controller, its sensors and drives, and the plant.
+/// A run, made and not begun: a motion, the rig that performs it, its controller, its sensors and drives, and the
+/// plant.
 ///
 /// The rig starts on the motion's pose and with its velocity, with its own dimensions.
 pub struct Run<'a> {
@@ -134,8 +135,8 @@ impl<'a> Run<'a> {
     }
 }
 
-/// Computes how far a body may be from its goal, in metres: as far as the bones of the rig and of the motion reach together, and
-/// slides can go. No body of a rig that stands where it should can be farther off.
+/// Computes how far a body may be from its goal, in metres: as far as the bones of the rig and of the motion reach
+/// together, and slides can go. No body of a rig that stands where it should can be farther off.
 fn compute_lost_m(performance: &Performance<'_>) -> f64 {
     let Performance { motion, setup, links } = *performance;
     let mut joints = Vec::new();

@@ -9,8 +9,8 @@ use sinew_servo_bus::feetech::table::{
 };
 use sinew_servo_bus::{BusDevice, dynamixel, feetech};
 
-use crate::device::ServoError;
 use crate::device::codes::code_of;
+use crate::device::error::ServoError;
 use crate::device::limits::{LONGEST, MEMORY_LEN, check_memory};
 use crate::fault::Fault;
 use crate::line::LineDevice;

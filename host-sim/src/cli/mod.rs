@@ -11,6 +11,7 @@ mod evaluation;
 mod export;
 mod figure;
 mod find;
+mod guide;
 mod inspect;
 mod latency;
 mod map;

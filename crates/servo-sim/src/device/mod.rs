@@ -2,7 +2,7 @@
 
 pub(crate) mod codes;
 mod dynamixel;
-mod error;
+pub(crate) mod error;
 mod feetech;
 pub(crate) mod limits;
 mod on_line;

@@ -17,7 +17,7 @@ use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_servo_sim::port::Port;
 
 use crate::cli::driven::DrivenArgs;
-use crate::cli::record::read_guide;
+use crate::cli::guide::read_guide;
 use crate::cli::rig::read;
 
 /// The loop's arrays are sized for the largest board.

@@ -165,7 +165,8 @@ impl Args {
         Ok(())
     }
 
-    /// Returns after how many rounds a loop is stopped; none for a show that ends by itself, or for a loop that goes on.
+    /// Returns after how many rounds a loop is stopped; none for a show that ends by itself, or for a loop that goes
+    /// on.
     fn rounds(&self, show: &Show<'_>, is_watched: bool) -> anyhow::Result<Option<u32>> {
         ensure!(
             show.is_loop() || self.rounds.is_none(),

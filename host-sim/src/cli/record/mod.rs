@@ -22,6 +22,7 @@ use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_show::write::Settings as ShowSettings;
 
 use super::clips::{rate, seconds};
+use super::guide::read_guide;
 use super::performance::{ON_STAND, PerformanceArgs};
 use super::stack::with_stack;
 use super::target::Target;
@@ -164,15 +165,6 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     }
     print(&text)?;
     Ok(())
-}
-
-/// Reads where a scripted hand leads: along the file, or the built-in way.
-pub(super) fn read_guide(rig: &Loaded, file: Option<&Path>) -> anyhow::Result<GuideTrajectory> {
-    let Some(path) = file else { return Ok(GuideTrajectory::built_in(&rig.mechanism)?) };
-    let of_file = || path.display().to_string();
-    let text = sinew_mocap::read::text(path).with_context(of_file)?;
-    let (motion, _) = table::read(&rig.mechanism, &text).with_context(of_file)?;
-    Ok(GuideTrajectory::along(&rig.mechanism, &motion)?)
 }
 
 impl Args {
