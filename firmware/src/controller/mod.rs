@@ -14,7 +14,7 @@
 //!    bus. A fault that it finds acts here: torque off is in the packets of this very tick.
 //! 2. [`exchange`] puts these packets on the board's [`Wire`], and takes what comes back.
 //! 3. [`MotionController::end`] says whether the tick was whole. Only then there is a
-//! [`Complete`](crate::watchdog::Complete), and a board feeds its watchdog with nothing else.
+//!    [`Complete`](crate::watchdog::Complete), and a board feeds its watchdog with nothing else.
 //!
 //! As long as torque is not permitted, torque off goes out to all servos in every tick: one lost packet changes
 //! nothing. Torque on goes out in every tick of arming, behind a first goal where the servo was measured.

@@ -101,7 +101,7 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
             match *part {
                 JointIndices::Number { q: at, v } => put(out, v, number(self.now.q(), at)),
                 JointIndices::Turn { q: at, v } => {
-                    put_three(out, v, math::log(turn(self.now.q(), at)))
+                    put_three(out, v, math::log(turn(self.now.q(), at)));
                 }
             }
         }
@@ -112,7 +112,7 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
         for part in &self.parts {
             match *part {
                 JointIndices::Number { q: at, v } => {
-                    put(out, v, number(self.now.q(), at) - number(q, at))
+                    put(out, v, number(self.now.q(), at) - number(q, at));
                 }
                 JointIndices::Turn { q: at, v } => {
                     put_three(out, v, between(turn(q, at), turn(self.now.q(), at)));

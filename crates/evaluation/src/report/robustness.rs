@@ -16,7 +16,7 @@ pub fn robustness_tables(result: &Robustness) -> String {
     }
     if result.variants.len() > result.methods.len() {
         text += "\nmedians over the rigs, and on how many of them an error is below those of all methods without projection\n\n";
-        text += &format!("{}\n", front(result));
+        text.extend([front(result).to_string().as_str(), "\n"]);
     }
     text
 }

@@ -14,7 +14,9 @@ macro_rules! targets {
         #[test]
         fn $name() {
             let file = concat!("link/", stringify!($name), ".hex");
-            inputs(file).iter().for_each(|bytes| decoders::$name(bytes));
+            for bytes in &inputs(file) {
+                decoders::$name(bytes);
+            }
             #[cfg(feature = "bolero")]
             bolero::check!().for_each(|bytes: &[u8]| decoders::$name(bytes));
         }

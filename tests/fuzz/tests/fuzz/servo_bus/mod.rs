@@ -15,7 +15,9 @@ macro_rules! targets {
         $(
             #[test]
             fn $name() {
-                streams().iter().for_each(|bytes| decoders::$name(bytes));
+                for bytes in &streams() {
+                    decoders::$name(bytes);
+                }
                 #[cfg(feature = "bolero")]
                 bolero::check!().for_each(|bytes: &[u8]| decoders::$name(bytes));
             }
