@@ -66,6 +66,8 @@ fn times(report: &str) -> Vec<(f64, String)> {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
 
     /// Libraries without unit tests are not compiled a second time for them (`test = false`): then none may be added
@@ -81,7 +83,8 @@ mod tests {
             }
             let sources = manifest.replace("Cargo.toml", "src/");
             for file in files.lines().filter(|file| file.starts_with(&sources)) {
-                let is_rust = file.ends_with(".rs");
+                let is_rust =
+                    Path::new(file).extension().is_some_and(|extension| extension == "rs");
                 assert!(
                     !is_rust || !read(file).contains("#[test]"),
                     "{file} has a test: see {manifest}"
