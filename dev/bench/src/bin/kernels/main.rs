@@ -350,7 +350,7 @@ fn ticks_of_boards<const N: usize>(
 fn types<const N: usize>() {
     for (name, bytes) in [
         ("Tree", size_of::<Tree<N>>()),
-        ("Controller", size_of::<TorqueController<N>>()),
+        ("TorqueController", size_of::<TorqueController<N>>()),
         ("ForwardDifferences", size_of::<ForwardDifferences<N>>()),
         ("JointTargets", size_of::<JointTargets<N>>()),
         ("JointStates", size_of::<JointStates<N>>()),
