@@ -11,6 +11,7 @@
 //! # Files
 //! A module uses only modules of its own line and of the lines before it:
 //! - `math`: elementary functions, most of them short polynomials. No other code computes any.
+//! - `read`: numbers that the feature `serde` reads, refused if they are not finite or not unit.
 //! - `transform`, `inertia`, `joint`: rigid transforms, motion and force vectors; mass properties; joint kinds.
 //! - `body_set`, `tree`, `fixed`, `matrix`, `symmetric`: the rig in regular numbering (λ parent, κ supporters, ν
 //!   subtree, µ children, leaves); vectors filled without a panic; small matrices.
@@ -28,7 +29,7 @@
 //!   torques; sensors filtered, disturbances learned, and a look ahead over the delay.
 //! - `tracker/`: the whole tick in one call: frames (`frames`) to targets (`desired`), readings to states
 //!   (`estimate`).
-//! - `read`, `serial`, `format`: what the features `serde` and `defmt` make of the types.
+//! - `serial`, `format`: what the features `serde` and `defmt` make of the types.
 #![doc = include_str!("../examples/six_joints.rs")]
 //! ```
 //! Gains: the controller turns the error of a joint into an acceleration, `kp` times the error plus `kd` times its

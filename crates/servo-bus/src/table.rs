@@ -3,6 +3,14 @@
 /// The makers' name, all of them, for the register that switches torque.
 pub(crate) const TORQUE_ENABLE: &str = "Torque Enable";
 
+/// Returns whether a kind of servo has the registers of a model: its name is the model's, perhaps with an ending that
+/// tells plugs or voltages apart (`XL330-M288-T`, `STS3215-12V`). Case does not matter.
+pub(crate) fn is_kind_of(model: &str, kind: &str) -> bool {
+    kind.split_at_checked(model.len()).is_some_and(|(name, ending)| {
+        name.eq_ignore_ascii_case(model) && (ending.is_empty() || ending.starts_with('-'))
+    })
+}
+
 /// One item of a control table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Item {

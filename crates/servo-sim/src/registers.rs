@@ -3,9 +3,10 @@
 //! For kinds that nobody has identified, and for programs that want to know what they write and not what metal makes of
 //! it.
 
-use sinew_servo_bus::dynamixel::table::{BAUDS as DYNAMIXEL_BAUDS, MODELS, Table, address};
+use sinew_servo_bus::dynamixel::table::{BAUDS as DYNAMIXEL_BAUDS, MODELS, Model, Table, address};
 use sinew_servo_bus::feetech::table::{
-    BAUDS as FEETECH_BAUDS, MODELS as FEETECH_MODELS, address as feetech_address,
+    BAUDS as FEETECH_BAUDS, MODELS as FEETECH_MODELS, Model as FeetechModel,
+    address as feetech_address,
 };
 use sinew_servo_bus::{BusDevice, dynamixel, feetech};
 
@@ -39,11 +40,10 @@ const FIRMWARE: u8 = 52;
 impl RegisterTable {
     /// That of a kind by the maker's name, with or without what tells plugs (`-T`) and voltages (`-12V`) apart.
     pub fn of(kind: &str) -> Option<Self> {
-        let name = kind.trim_end_matches("-T");
-        let model = MODELS.iter().find(|model| model.name == name);
-        let dynamixel = model.map(|model| Self::Dynamixel(Table { model, firmware: FIRMWARE }));
-        let feetech = || kind.split('-').next().and_then(feetech::Table::of).map(Self::Feetech);
-        dynamixel.or_else(feetech)
+        let dynamixel =
+            Model::of_kind(kind).map(|model| Self::Dynamixel(Table { model, firmware: FIRMWARE }));
+        let feetech = || FeetechModel::of_kind(kind);
+        dynamixel.or_else(|| feetech().map(|model| Self::Feetech(feetech::Table { model })))
     }
 
     /// Names of all kinds that have one.

@@ -19,18 +19,10 @@ pub enum Table {
 impl Table {
     /// The model of this name. Endings of rig files' kinds do not matter: `XL330-M288-T`, `STS3215-12V`.
     pub fn named_model(name: &str, firmware: u8) -> Option<Self> {
-        let is = |model: &str| {
-            let rest = name.get(model.len()..);
-            name.get(..model.len()).is_some_and(|begin| begin.eq_ignore_ascii_case(model))
-                && rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
-        };
-        let dynamixel = dynamixel::table::MODELS.iter().find(|model| is(model.name));
-        let feetech = feetech::table::MODELS.iter().find(|model| is(model.name));
-        match (dynamixel, feetech) {
-            (Some(model), _) => Some(Self::Dynamixel(dynamixel::table::Table { model, firmware })),
-            (None, Some(model)) => Some(Self::Feetech(feetech::Table { model })),
-            (None, None) => None,
-        }
+        let dynamixel = dynamixel::table::Model::of_kind(name)
+            .map(|model| Self::Dynamixel(dynamixel::table::Table { model, firmware }));
+        let feetech = || feetech::table::Model::of_kind(name);
+        dynamixel.or_else(|| feetech().map(|model| Self::Feetech(feetech::Table { model })))
     }
 
     /// The model whose name a person gives for a servo of a protocol.

@@ -54,7 +54,7 @@ impl Tally {
         Self { dofs: vec![Sums::default(); count], ticks: 0, tells_nothing }
     }
 
-    /// Looks at a tick. Of servos that tell nothing the error is where the simulated rig is.
+    /// Adds a tick. Servos on pulses report nothing: their error is taken from the simulated rig.
     pub fn note(&mut self, sim: &SimulatedRig<'_, RigPlant>) {
         if !sim.runs() {
             return;

@@ -86,7 +86,7 @@ fn items_do_not_overlap_and_begin_within_range() {
     }
 }
 
-/// Source: `reference/servo-buses.md`, section 8; the `.model` files.
+/// Source: the `.model` files of `dynamixel-sdk`, as in `facts/dynamixel_tables.tsv`.
 #[test]
 fn indirect_data_of_small_servos_moved_with_firmware_52() {
     let data = |model, firmware| Table::of(model, firmware).unwrap().indirect()[0].unwrap().data;

@@ -5,6 +5,7 @@ mod cycle;
 mod damage;
 mod devices;
 mod dynamixel_tables;
+mod kinds;
 mod manual_bytes;
 mod pca9685;
 mod profile;

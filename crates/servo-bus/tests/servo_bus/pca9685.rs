@@ -15,7 +15,7 @@ fn started(prescale: Prescale) -> Device {
     chip
 }
 
-/// Source: the data sheet's formula, as `reference/servo-buses.md` lists its results.
+/// Source: the data sheet's formula: the oscillator's rate by 4096 and by the pulses' rate, rounded, less 1.
 #[test]
 fn prescales() {
     for (rate_hz, divider) in [(50.0, 121), (60.0, 101), (100.0, 60), (200.0, 30), (333.0, 17)] {

@@ -6,6 +6,7 @@ use sinew_rig::Description;
 use sinew_rig::description::ServoModel;
 use sinew_servo_bus::settings::{self, ServoRequirements, Setting};
 use sinew_servo_bus::table::{Access, Range};
+use sinew_servo_sim::registers::RegisterTable;
 use sinew_servo_tools::calibrate::{self, Calibration};
 use sinew_servo_tools::compare::{apply, diff, span};
 use sinew_servo_tools::desired::{Mode, desired};
@@ -202,7 +203,7 @@ fn what_a_rig_cannot_ask_of_its_servo_is_refused() {
 #[test]
 fn all_kinds_get_settings_that_their_registers_take() {
     let kinds = ServoModel::built_in_names().map(|kind| ServoModel::built_in(kind).unwrap());
-    let mut seen = 0;
+    let (mut seen, mut wanted) = (0, 0);
     for model in kinds {
         let rig = RigServo {
             name: "any".to_owned(),
@@ -213,6 +214,7 @@ fn all_kinds_get_settings_that_their_registers_take() {
             joint_friction_nm: 0.0,
         };
         let Some(table) = rig.table() else { continue };
+        wanted += if table.has_current() { 4 } else { 2 };
         for mode in [Mode::Position, Mode::CurrentPosition, Mode::Current, Mode::Pwm] {
             let Ok(settings) = desired(&rig, &table, mode) else {
                 assert!(
@@ -234,8 +236,21 @@ fn all_kinds_get_settings_that_their_registers_take() {
             assert!(span(&settings).1 < 128);
         }
     }
-    // Five Dynamixels, three of them with current, and two Feetechs.
-    assert_eq!(seen, 2 * 7 + 2 * 3);
+    assert!(seen > 0);
+    assert_eq!(seen, wanted, "modes of all kinds");
+}
+
+#[test]
+fn a_simulated_servo_has_the_registers_that_tools_expect() {
+    for kind in ServoModel::built_in_names() {
+        let expected = Table::named_model(kind, u8::MAX);
+        let simulated = RegisterTable::of(kind);
+        assert_eq!(
+            simulated.map(|table| table.name()),
+            expected.map(|table| table.model()),
+            "{kind}"
+        );
+    }
 }
 
 /// A board has the rig's numbers in f32, and its encoder's middle as an angle.

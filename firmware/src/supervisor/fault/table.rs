@@ -65,7 +65,7 @@ const HOLD: [Reaction; State::COUNT] = {
     reactions([Note, Note, Hold, Hold, Note, Note, Note])
 };
 
-/// Of the show: what plays holds.
+/// The reaction to a fault of the show: a rig that plays holds.
 const HOLD_SHOW: [Reaction; State::COUNT] = {
     use Reaction::{Hold, Note};
     reactions([Note, Note, Hold, Note, Note, Note, Note])

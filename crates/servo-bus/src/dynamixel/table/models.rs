@@ -1,5 +1,7 @@
 //! What models have of their own.
 
+use crate::table::is_kind_of;
+
 /// A model of servo.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Model {
@@ -21,6 +23,13 @@ pub struct Model {
     pub shutdown: u8,
     /// The factory's position P gain.
     pub position_p: u16,
+}
+
+impl Model {
+    /// Returns the model of a kind of servo, by the name that rig files have for it: `XL330-M288-T`.
+    pub fn of_kind(kind: &str) -> Option<&'static Self> {
+        MODELS.iter().find(|model| is_kind_of(model.name, kind))
+    }
 }
 
 /// Which table a model has.

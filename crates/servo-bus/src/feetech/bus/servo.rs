@@ -22,7 +22,7 @@ pub(super) struct Servo {
     /// Torque as it was last commanded; off at first.
     is_on: bool,
     pub(super) position: Option<i32>,
-    /// Of the profile to the position, in its counts.
+    /// Speed of the profile to the position, in its counts.
     pub(super) speed: Option<i32>,
     pub(super) pwm: Option<i32>,
     /// Whether it has been asked in this tick.

@@ -7,7 +7,7 @@
 pub mod address;
 mod items;
 
-use crate::table::{ByteOrder, Item};
+use crate::table::{ByteOrder, Item, is_kind_of};
 pub(super) use items::CURRENT;
 use items::{SCS, SCS_POSITION, STS, STS_POSITION};
 
@@ -92,6 +92,13 @@ pub struct Model {
     pub family: Family,
     /// The factory's code of the baud rate.
     pub baud: u8,
+}
+
+impl Model {
+    /// Returns the model of a kind of servo, by the name that rig files have for it: `STS3215-12V`.
+    pub fn of_kind(kind: &str) -> Option<&'static Self> {
+        MODELS.iter().find(|model| is_kind_of(model.name, kind))
+    }
 }
 
 /// All models that this crate knows. Model numbers: `lerobot` 0.4.4, `feetech-cli` 0.1.8.
