@@ -7,29 +7,6 @@
 //! # Six joints
 //! An arm of six revolute joints: build the tree, track a target, get six torques.
 //! ```
-//!
-//! # Files
-//! A module uses only modules of its own line and of the lines before it:
-//! - `math`: elementary functions, most of them short polynomials. No other code computes any.
-//! - `read`: numbers that the feature `serde` reads, refused if they are not finite or not unit.
-//! - `transform`, `inertia`, `joint`: rigid transforms, motion and force vectors; mass properties; joint kinds.
-//! - `body_set`, `tree`, `fixed`, `matrix`, `symmetric`: the rig in regular numbering (λ parent, κ supporters, ν
-//!   subtree, µ children, leaves); vectors filled without a panic; small matrices.
-//! - `state`, `kinematics`, `pose_step`, `finite_difference`: states of joints and bodies, one from the other (eq. 5);
-//!   steps between poses; eq. 13.
-//! - `joint_states`, `joint_targets`: the entrances of measured states and of targets.
-//! - `trajectory`, `forward_differences`, `aligned_differences`: performances as frames, and as they arrive.
-//! - `importance/`, `body_weight`: weights of joints from a skeleton at rest; weights of bodies.
-//! - `dynamics/`: inverse dynamics (`rnea`), forward dynamics (`aba`), mass matrix (`crba`), the inertia at a drive
-//!   (`reflected`), and Gauss's principle (`least_constraint`), which the projection and `resolved_acceleration` use.
-//! - `projection/`, `pose_space/`: the rig's own pose nearest to the desired one; distances of poses, and curves.
-//! - `state_error/`: a file for each method.
-//! - `control`, `controller`: gains, laws and limits; the tick from targets and measurements to torques.
-//! - `coordinates/`, `supply`, `observer`: states and efforts as slices of numbers; the limit of the sum of all
-//!   torques; sensors filtered, disturbances learned, and a look ahead over the delay.
-//! - `tracker/`: the whole tick in one call: frames (`frames`) to targets (`desired`), readings to states
-//!   (`estimate`).
-//! - `serial`, `format`: what the features `serde` and `defmt` make of the types.
 #![doc = include_str!("../examples/six_joints.rs")]
 //! ```
 //! Gains: the controller turns the error of a joint into an acceleration, `kp` times the error plus `kd` times its
@@ -137,6 +114,29 @@
 //! # }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! # Files
+//! A module uses only modules of its own line and of the lines before it:
+//! - `math`: elementary functions, most of them short polynomials. No other code computes any.
+//! - `read`: numbers that the feature `serde` reads, refused if they are not finite or not unit.
+//! - `transform`, `inertia`, `joint`: rigid transforms, motion and force vectors; mass properties; joint kinds.
+//! - `body_set`, `tree`, `fixed`, `matrix`, `symmetric`: the rig in regular numbering (λ parent, κ supporters, ν
+//!   subtree, µ children, leaves); vectors filled without a panic; small matrices.
+//! - `state`, `kinematics`, `pose_step`, `finite_difference`: states of joints and bodies, one from the other (eq. 5);
+//!   steps between poses; eq. 13.
+//! - `joint_states`, `joint_targets`: the entrances of measured states and of targets.
+//! - `trajectory`, `forward_differences`, `aligned_differences`: performances as frames, and as they arrive.
+//! - `importance/`, `body_weight`: weights of joints from a skeleton at rest; weights of bodies.
+//! - `dynamics/`: inverse dynamics (`rnea`), forward dynamics (`aba`), mass matrix (`crba`), the inertia at a drive
+//!   (`reflected`), and Gauss's principle (`least_constraint`), which the projection and `resolved_acceleration` use.
+//! - `projection/`, `pose_space/`: the rig's own pose nearest to the desired one; distances of poses, and curves.
+//! - `state_error/`: a file for each method.
+//! - `control`, `controller`: gains, laws and limits; the tick from targets and measurements to torques.
+//! - `coordinates/`, `supply`, `observer`: states and efforts as slices of numbers; the limit of the sum of all
+//!   torques; sensors filtered, disturbances learned, and a look ahead over the delay.
+//! - `tracker/`: the whole tick in one call: frames (`frames`) to targets (`desired`), readings to states
+//!   (`estimate`).
+//! - `serial`, `format`: what the features `serde` and `defmt` make of the types.
 
 #![no_std]
 #![forbid(unsafe_code)]

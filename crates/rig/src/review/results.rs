@@ -33,7 +33,7 @@ pub struct Capability {
 /// One dof of one joint.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DofReview {
-    /// Name of the dof, see [`Mechanism::dof_names`].
+    /// Name of the dof, see [`Mechanism::dof_names`](crate::Mechanism::dof_names).
     pub name: String,
     /// Whether it slides: forces in N and ways in m, else torques in N m and angles in rad.
     pub slides: bool,

@@ -2,6 +2,11 @@
 //! what bolero thinks of.
 
 #![expect(dead_code, reason = "tests of the node use the rest")]
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "the controller's side is f32, the servos' f64"
+)]
 
 #[path = "../../../../firmware/tests/firmware/node/decoders.rs"]
 mod decoders;

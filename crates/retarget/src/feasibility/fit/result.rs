@@ -42,7 +42,7 @@ pub struct Fit {
     pub lightened: Vec<(String, f64)>,
     /// The most that any angle or way was brought back into its range, by joint; only those that were.
     pub clamped: Vec<(String, f64)>,
-    /// What was done, for [`refit`].
+    /// What was done, for [`refit`](super::refit).
     pub progress: Progress,
 }
 
