@@ -29,7 +29,7 @@ pub struct Body {
     pub placement: Transform,
     /// Mass properties in the body frame.
     pub inertia: Inertia,
-    /// What the rotor of the joint's drive adds to the inertia of each of its dofs, as the gear shows it: `J n²`
+    /// The inertia that the rotor of the joint's drive adds to each of its dofs, as the gear shows it: `J n²`
     /// of a rotor with inertia J behind a ratio of n. In kg m², or in kg of a joint that slides; zero for none.
     /// Simulators call it armature.
     ///

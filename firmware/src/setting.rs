@@ -8,7 +8,7 @@ use core::fmt;
 pub struct SettingError {
     /// The setting.
     pub what: &'static str,
-    /// What it is.
+    /// The value that was found.
     pub found: f32,
     /// The least that it may be.
     pub least: f32,

@@ -127,7 +127,7 @@ pub fn reflected_inertia<const N: usize>(
     reflected
 }
 
-/// What an inertia is along a joint's dofs, each with a rotor.
+/// An inertia along a joint's dofs, each with a rotor.
 fn along(inertia: &ArticulatedInertia, dofs: &[Twist], rotor: f32) -> ReflectedInertia {
     let mut onto = Symmetric::ZERO;
     let (mut mass, mut ways) = (0.0, 0.0);
@@ -150,7 +150,7 @@ fn give_way(inertia: &mut ArticulatedInertia, dofs: &[Twist], rotor: f32) {
     for dof in dofs {
         let wrench = wrench_of(inertia, *dof);
         let resistance = wrench.power_w(*dof) + rotor;
-        // What the dofs before have taken away but for rounding has no direction left.
+        // The dofs before have taken all of it away but for rounding: no direction is left.
         if resistance > ROUNDING * wrench_of(&whole, *dof).power_w(*dof) {
             inertia.give_way(&wrench, 1.0 / resistance);
         }

@@ -123,9 +123,9 @@ pub enum SettingError {
     Value {
         /// The key, dotted.
         key: &'static str,
-        /// What it may be.
+        /// The values that are accepted.
         expected: &'static str,
-        /// What it is.
+        /// The value that was found.
         value: f32,
     },
 }

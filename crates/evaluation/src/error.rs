@@ -28,7 +28,7 @@ pub enum SetupError {
     NoSuchBody {
         /// The bodies there are.
         names: String,
-        /// What was named.
+        /// The name that was given.
         found: String,
     },
     /// A setting of the controller.
@@ -39,9 +39,9 @@ pub enum SetupError {
     Value {
         /// The key, dotted.
         key: String,
-        /// What it may be.
+        /// The values that are accepted.
         expected: &'static str,
-        /// What it is.
+        /// The value that was found.
         value: f64,
     },
 }

@@ -12,7 +12,7 @@ use super::reference::{Performance, rotation_vector};
 
 /// The drives of a rig whose joints have friction.
 pub(super) struct FrictionFeed {
-    /// Of each body's joint: its friction along every dof, and the most that its drive gives.
+    /// The friction of each body's joint along every dof, and the most that its drive gives.
     joints: Vec<(Friction, f32)>,
     now: Vec<Pose>,
     next: Vec<Pose>,

@@ -13,7 +13,7 @@ use super::trial::{Lost, TRACKS_BELOW_DEG, run_trial};
 /// The protocol of a latency evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatencyProtocol {
-    /// What all runs have in common; method, latency and looking ahead vary.
+    /// The setup that all runs share; method, latency and looking ahead vary.
     pub setup: Setup,
     /// Methods to compare.
     pub methods: Vec<MethodName>,

@@ -14,7 +14,7 @@ pub struct Errors {
     pub all: ErrorTotals,
     /// Over the leaves.
     pub leaf: ErrorTotals,
-    /// Of whole poses, every joint by what it moves: see [`ImportanceWeights`](super::ImportanceWeights).
+    /// Errors of whole poses, every joint by what it moves: see [`ImportanceWeights`](super::ImportanceWeights).
     pub weighted: WeightedTotals,
     /// The widest gap at a joint, in metres: what the plant's constraints let through.
     pub widest_gap_m: f64,

@@ -11,7 +11,7 @@ use super::trial::{Lost, Trial, run_trial};
 /// The protocol of a robustness evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RobustnessProtocol {
-    /// What all runs have in common; the method and the rig vary.
+    /// The setup that all runs share; the method and the rig vary.
     pub setup: Setup,
     /// Methods to compare.
     pub methods: Vec<MethodName>,

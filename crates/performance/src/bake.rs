@@ -73,7 +73,7 @@ pub enum BakeError {
         slides: bool,
         /// Of what.
         kind: Kind,
-        /// What it is.
+        /// The value that was found.
         value: f64,
         /// The limit.
         limit: f64,

@@ -24,7 +24,7 @@ use super::table::fitted;
 pub struct MotionChoices {
     /// Whether the nearest motion within all limits of the rig is made.
     pub fit: bool,
-    /// Of a loop: how long before its end the motion is led to its beginning, s.
+    /// The time before a loop's end in which the motion is led to its beginning, s.
     pub loop_blend_s: Option<f64>,
 }
 
@@ -51,7 +51,7 @@ pub struct RigPerformance {
     pub clip: RetargetedClip,
     /// The limits of the rig.
     pub limits: Limits,
-    /// What was done for a loop; its motion is in `clip`.
+    /// The changes made for a loop; its motion is in `clip`.
     pub looped: Option<LoopedMotion>,
     /// The motion within the limits, if it was to be fitted.
     pub fit: Option<Fit>,

@@ -1,4 +1,4 @@
-//! What a page of an evaluation is made of.
+//! The parts that a page of an evaluation is made of.
 
 use sinew_evaluation::Evaluation;
 use sinew_evaluation::optimum::Optimum;

@@ -1,4 +1,4 @@
-//! What charts show of an evaluation's result, with every method.
+//! The values of an evaluation's result that charts show, with every method.
 
 use maud::Markup;
 use sinew_evaluation::detail::{Detail, Spread};

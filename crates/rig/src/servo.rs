@@ -232,7 +232,7 @@ impl Servo {
 pub struct ServoError {
     /// The setting; of the gear its size.
     pub what: &'static str,
-    /// What it is.
+    /// The value that was found.
     pub found: f32,
     /// The least that it may be.
     pub least: f32,

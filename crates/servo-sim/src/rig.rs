@@ -211,7 +211,7 @@ impl<'r> Joints<'r> {
         Ok(self.dynamics.efforts(&q, &rest, &rest)?[dof])
     }
 
-    /// What accelerations of dofs take, without gravity.
+    /// Returns the efforts of dofs for their accelerations, without gravity.
     fn accelerated(&mut self, dofs: &[usize], qdd: &[f32]) -> Result<Vec<f32>, RigServosError> {
         let mut all = vec![0.0; self.at_rest.len()];
         for (dof, qdd) in dofs.iter().zip(qdd) {

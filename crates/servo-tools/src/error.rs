@@ -167,7 +167,7 @@ pub enum ServiceError {
         name: String,
         /// Its id.
         id: u8,
-        /// What it is.
+        /// The value that was found.
         has: String,
         /// What the file says.
         should: String,

@@ -229,7 +229,7 @@ pub enum BlendError {
     },
     /// The duration is not from 0.001 to 1000 s.
     Duration {
-        /// What it is.
+        /// The value that was found.
         found: f32,
     },
     /// A ball joint would turn so far that it has no direct way: the blend is too long for its speed.

@@ -50,7 +50,7 @@ pub enum ShowError {
     },
     /// A field of its head is none that can be.
     Field {
-        /// What it is.
+        /// The kind of value.
         what: &'static str,
         /// Of which item, if there are several.
         index: usize,

@@ -19,7 +19,7 @@ pub struct Stored {
 }
 
 impl Stored {
-    /// What it is, and who stands for it.
+    /// Returns its descriptor.
     pub fn descriptor(&self) -> &Descriptor {
         &self.descriptor
     }

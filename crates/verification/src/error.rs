@@ -1,4 +1,4 @@
-//! What may be wrong with golden files.
+//! Errors of golden files.
 
 use std::path::PathBuf;
 use std::{fmt, io};

@@ -61,7 +61,7 @@ pub enum ToNode<'a> {
         now_us: u64,
         /// How many.
         steps: u32,
-        /// What waits on the line of the link, at most [`LINE_AT_ONCE`](crate::limits::LINE_AT_ONCE) bytes.
+        /// The bytes that wait on the line of the link, at most [`LINE_AT_ONCE`](crate::limits::LINE_AT_ONCE) bytes.
         line: &'a [u8],
     },
     /// The program stops itself, by a panic. The image resets its board then, with its flash as it is, and asks for

@@ -88,8 +88,9 @@ pub fn first_session(starts: u16) -> u16 {
 
 /// Runs a node from its power-on, as often as it begins anew.
 ///
-/// `causes`: why the board starts. With none it is new, and its flash blank. `flash`: [`FLASH_LEN`](crate::limits::FLASH_LEN) bytes. `lent`: room
-/// for all shows that are loaded from one start to the next.
+/// `causes`: why the board starts. With none it is new, and its flash blank. `flash`:
+/// [`FLASH_LEN`](crate::limits::FLASH_LEN) bytes. `lent`: room for all shows that are loaded from one start to the
+/// next.
 ///
 /// # Panics
 /// If the host says what cannot be.
@@ -237,7 +238,7 @@ fn bytes_of(
     commanded(controller).flat_map(f32::to_le_bytes).collect()
 }
 
-/// What a controller has commanded in its last tick: positions, then speeds, then the tracker's effort of each dof
+/// The commands of a controller's last tick: positions, then speeds, then the tracker's effort of each dof
 /// and how far it is from where it should be.
 pub fn commanded<
     'c,

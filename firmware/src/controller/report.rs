@@ -7,7 +7,7 @@ use crate::drives::Limit;
 use crate::supervisor::detect::Concern;
 use crate::supervisor::{Answer, FaultSet, GuardReason, Moving, Registers, Source, State};
 
-/// What became of a tick: of `DOFS` dofs and `SERVOS` servos at most.
+/// The report of a tick: of `DOFS` dofs and `SERVOS` servos at most.
 #[derive(Debug, Clone)]
 pub struct Report<const DOFS: usize, const SERVOS: usize> {
     /// The state.

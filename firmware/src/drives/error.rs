@@ -144,7 +144,7 @@ pub enum InputError {
     },
     /// A number is NaN, infinite or above 1e6 in size.
     Number {
-        /// What it is.
+        /// The kind of value.
         what: &'static str,
         /// Index of the dof or servo.
         index: usize,

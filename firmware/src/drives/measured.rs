@@ -6,7 +6,7 @@ use sinew_servo_bus::Effort;
 
 use super::{Condition, Drives, InputError};
 
-/// What is measured of one dof.
+/// The measured state of one dof.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
     /// rad or m; of a ball joint a component of the rotation vector.
@@ -20,7 +20,7 @@ pub struct Measured {
 }
 
 impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> Drives<'_, BODIES, DOFS, SERVOS> {
-    /// What is measured of each dof; none where a servo of its drive was never read, or nothing drives it.
+    /// Returns the measured state of each dof; none where a servo of its drive was never read, or nothing drives it.
     ///
     /// # Errors
     /// [`InputError`] as of [`Self::step`].

@@ -30,7 +30,7 @@ impl Turn {
     }
 }
 
-/// Of each dof of a rig.
+/// Returns the turn of each dof of a rig.
 pub(super) fn turns<const BODIES: usize, const DOFS: usize, const SERVOS: usize>(
     rig: &BoardRig<BODIES, DOFS, SERVOS>,
 ) -> Vec<Turn, DOFS> {

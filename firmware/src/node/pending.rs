@@ -2,7 +2,7 @@
 
 use sinew_link::message::Pass;
 
-/// What the background task does when the loop has answered.
+/// The work of the background task once the loop has answered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Pending {
     Supervisor,

@@ -15,7 +15,7 @@ pub struct Moving {
 }
 
 impl Moving {
-    /// Of a dof with its speed and the most that it may have, rad/s; of a slide m/s.
+    /// A dof with its speed and the most that it may have, rad/s; m/s of a slide.
     pub(crate) fn new(dof: usize, rad_s: f32, most_rad_s: f32) -> Self {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it saturates")]
         let [mrad_s, most_mrad_s] = [rad_s, most_rad_s].map(|rad_s| (rad_s.abs() * 1e3) as u32);

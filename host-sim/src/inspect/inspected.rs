@@ -1,4 +1,4 @@
-//! What is told of a file.
+//! The facts that are shown of a file.
 
 use glam::DVec3;
 use serde::Serialize;

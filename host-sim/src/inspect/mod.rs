@@ -18,7 +18,7 @@ use inspected::Inspected;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub(crate) enum Entry {
-    /// What it is.
+    /// The facts of a file that was read.
     Read(Box<Inspected>),
     /// Why it is nothing that can be read.
     Unread {

@@ -49,7 +49,7 @@ pub enum RateTerm {
     None,
 }
 
-/// What happened to a body's aim.
+/// The treatment of a body's aim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(

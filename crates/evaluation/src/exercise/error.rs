@@ -11,9 +11,9 @@ pub enum ExerciseError {
     Setting {
         /// Its name.
         key: &'static str,
-        /// What it may be.
+        /// The values that are accepted.
         expected: &'static str,
-        /// What it is.
+        /// The value that was found.
         found: f64,
     },
     /// A number of the rig that no machine has.
@@ -26,7 +26,7 @@ pub enum ExerciseError {
         joint: String,
         /// How many there must be.
         expected: usize,
-        /// What there are.
+        /// The values that there are.
         found: Vec<f64>,
     },
     /// A kinematic rig.

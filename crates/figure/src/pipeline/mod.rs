@@ -209,9 +209,9 @@ pub enum Error {
     Setting {
         /// The field of [`Settings`].
         name: &'static str,
-        /// What it may be.
+        /// The values that are accepted.
         expected: &'static str,
-        /// What it is.
+        /// The value that was found.
         value: f64,
     },
 }

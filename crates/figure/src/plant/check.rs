@@ -53,7 +53,7 @@ pub enum PlantError {
         body: usize,
         /// The field.
         item: &'static str,
-        /// What it may be.
+        /// The values that are accepted.
         expected: &'static str,
         /// What it is: of several numbers the first that cannot be.
         found: f64,

@@ -61,7 +61,7 @@ pub enum Location {
 /// Something to be stored, or stored: what it is, and who stands for it. A show goes into a free slot.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Item {
-    /// What it is.
+    /// Its kind.
     pub kind: Kind,
     /// Version of what the content means.
     pub schema: u16,

@@ -1,4 +1,4 @@
-//! What must hold for any bytes: used by the hostile host of the tests, and by the fuzz targets in `tests/fuzz`.
+//! Properties that hold for any bytes: used by the hostile host of the tests, and by the fuzz targets in `tests/fuzz`.
 
 use sinew_link::message::*;
 use sinew_link::{

@@ -98,7 +98,7 @@ pub enum Problem {
     /// More than a motion of a figure can need.
     #[error("expected at most {limit} {items}, found more")]
     TooMany {
-        /// What there are too many of.
+        /// The kind of items that are too many.
         items: &'static str,
         /// The limit.
         limit: usize,

@@ -259,7 +259,7 @@ impl SimulatedRig<'_, RigPlant> {
         self.lines[0].servos.bench().plant.q().to_vec()
     }
 
-    /// Where each dof of the simulated rig is, less where it is commanded, rad or m: what no servo tells.
+    /// Returns each dof's true position less its commanded one, rad or m: no servo measures it.
     pub fn simulated_errors(&self) -> Vec<f32> {
         let q: Vec<f32> = self.q().into_iter().map(single).collect();
         let commanded = self.positions(self.controller.commanded().0);

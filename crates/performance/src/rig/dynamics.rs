@@ -149,7 +149,7 @@ pub fn inverse_dynamics(
     Ok(out)
 }
 
-/// Where the numbers of a row stand: by coordinate and by dof; empty if the table has none of the kind.
+/// The columns of a row's numbers, by coordinate and by dof; empty if the table has none of the kind.
 struct Columns {
     q: Vec<usize>,
     qd: Vec<usize>,

@@ -4,7 +4,7 @@
 //! GuideTrajectory of a ScriptedHand ─> TeachSession (a simulated rig, a tick a call) ─┐
 //!                      telemetry of a board ─> rows (evenly spaced) ────────────────┴─> TeachResult (cut, smooth)
 //! ```
-//! Where rows come from makes no difference to [`TeachResult`].
+//! [`TeachResult`] takes rows from a simulated rig and from a board alike.
 
 mod guide_trajectory;
 mod hand;

@@ -43,7 +43,7 @@ impl Character {
         Ok(Self { name, joints, mesh, notes: Vec::new() })
     }
 
-    /// What it is called: the stem of its file.
+    /// Returns its name: the stem of its file.
     pub fn name(&self) -> &str {
         &self.name
     }

@@ -1,4 +1,4 @@
-//! What the user says of a file.
+//! Options of a user for a file.
 
 use sinew_figure::measured::UnitOverrides;
 

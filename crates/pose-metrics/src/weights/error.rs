@@ -14,9 +14,9 @@ pub enum Error {
     Setting {
         /// The option.
         name: &'static str,
-        /// What it may be.
+        /// The values that are accepted.
         expected: &'static str,
-        /// What it is.
+        /// The value that was found.
         found: f64,
     },
     /// More joints than `core` can weigh.

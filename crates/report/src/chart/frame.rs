@@ -1,4 +1,4 @@
-//! What every chart has: its title, its axes, and the rectangle between them.
+//! The frame of every chart: its title, its axes, and the rectangle between them.
 
 use maud::{Markup, html};
 

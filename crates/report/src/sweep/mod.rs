@@ -69,7 +69,7 @@ pub enum SweepError {
         line: usize,
         /// The column's name.
         column: String,
-        /// What it is.
+        /// The value that was found.
         value: String,
     },
     /// Nothing to show.

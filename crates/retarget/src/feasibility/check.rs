@@ -56,9 +56,9 @@ pub(super) struct Tally<'a> {
     /// The dofs that are told to be beyond; without a list all are.
     pub(super) watched: Option<&'a [bool]>,
     dt_s: f64,
-    /// Where in `q` the position of each dof is; of ball joints, and of a driven base, none.
+    /// The index in `q` of each dof's position; ball joints and a driven base have none.
     places: Vec<Option<usize>>,
-    /// Where in `q` the coordinates of each body are, and its first dof.
+    /// The place in `q` of each body's coordinates, and its first dof.
     joints: Vec<(Range<usize>, usize)>,
     /// Mean squares of efforts, as heat counts them.
     heat: Vec<f64>,

@@ -15,7 +15,7 @@ pub struct Efforts {
     dynamics: InverseDynamics,
     single: [Vec<f32>; 3],
     side_by_side: [Vec<[f32; LANES]>; 3],
-    /// What friction takes of each dof: Coulomb's, and per speed.
+    /// The effort that friction takes of each dof: Coulomb's, and per speed.
     friction: Vec<[f64; 2]>,
     /// Whether anybody asks for them: else they are told as zero.
     is_asked: bool,
@@ -46,14 +46,14 @@ impl Efforts {
         Ok(Self { is_asked: limits.dofs.iter().any(asks), ..Self::of(mechanism)? })
     }
 
-    /// What dry friction takes of a dof at a speed, N m or N: softened below 0.01 rad/s, so that a joint that
-    /// stands asks for none.
+    /// The effort that dry friction takes of a dof at a speed, N m or N: softened below 0.01 rad/s, so that a joint
+    /// that stands asks for none.
     pub fn dry_friction(&self, dof: usize, speed: f64) -> f64 {
         let [dry, _] = self.friction[dof];
         dry * (speed / 0.01).clamp(-1.0, 1.0)
     }
 
-    /// What friction that grows with the speed takes of a dof, N m or N.
+    /// The effort that friction which grows with the speed takes of a dof, N m or N.
     pub(super) fn viscous_friction(&self, dof: usize, speed: f64) -> f64 {
         let [_, viscous] = self.friction[dof];
         viscous * speed

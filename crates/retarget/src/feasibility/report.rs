@@ -1,4 +1,4 @@
-//! What a check of a motion reports.
+//! The report of a motion's check.
 
 use serde::Serialize;
 

@@ -7,11 +7,11 @@ use crate::drive::{DriveInputError, DrivePose};
 use crate::number::single;
 use crate::servo::Servo;
 
-/// What a joint gets from the servos of its drive, at the home pose. Of a joint of several dofs, which has one
+/// The effort that a joint gets from the servos of its drive, at the home pose. A joint of several dofs has one
 /// number for all: the mean of inertia and frictions, the least of the limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointDefaults {
-    /// What rotors add to the inertia of each dof: kg m², or kg of a slide.
+    /// The inertia that rotors add to each dof: kg m², or kg of a slide.
     pub rotor_inertia: f64,
     /// Coulomb friction: N m, or N of a slide.
     pub friction: f64,
@@ -23,7 +23,7 @@ pub struct JointDefaults {
     pub speed: f64,
 }
 
-/// The same of one dof, and what servos have at their shafts.
+/// Values of one dof, and those of servos at their shafts.
 #[derive(Debug, Clone, Copy)]
 struct DofDefaults {
     inertia: f32,

@@ -63,7 +63,7 @@ fn filled<T, const N: usize>(
     Ok(all)
 }
 
-/// Where the dofs of each joint are.
+/// The dofs of each joint, by its name.
 type Places<'m> = HashMap<&'m str, Range<u16>>;
 
 fn places(mechanism: &Mechanism) -> Places<'_> {

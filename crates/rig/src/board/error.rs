@@ -77,14 +77,14 @@ pub enum BoardRigError {
     },
     /// Two of a kind share what one alone may have.
     Shared {
-        /// What: `"dof"`, `"servo"`, `"address of servo"`.
+        /// The kind of item: `"dof"`, `"servo"`, `"address of servo"`.
         what: &'static str,
         /// Index of the second one that has it.
         index: usize,
     },
     /// A number is NaN, or cannot be.
     Number {
-        /// Of what: `"range of dof"`, ...
+        /// The kind of number: `"range of dof"`, ...
         what: &'static str,
         /// Which one.
         index: usize,

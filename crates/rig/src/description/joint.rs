@@ -69,7 +69,7 @@ pub struct Joint {
     pub acceleration_m_s2: Option<f64>,
     /// The largest torque (N m) or force (N) that the joint is given.
     pub effort: Option<f64>,
-    /// What the drive's rotor adds to the inertia of each dof, as its gear shows it: kg m², or kg of a slide.
+    /// The inertia that the drive's rotor adds to each dof, as its gear shows it: kg m², or kg of a slide.
     /// Default: that of the servos which move the joint.
     pub rotor_inertia: Option<f64>,
     /// Coulomb friction beside that of the servos: N m, or N of a slide.

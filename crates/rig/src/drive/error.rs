@@ -8,7 +8,7 @@ use core::fmt;
 pub enum DriveError {
     /// More of something than a drive holds.
     TooMany {
-        /// Of what: `"dofs"`, `"servos"`, `"numbers"` of a matrix, or `"points"` of a curve.
+        /// The kind of item: `"dofs"`, `"servos"`, `"numbers"` of a matrix, or `"points"` of a curve.
         what: &'static str,
         /// How many there are.
         found: usize,

@@ -101,7 +101,7 @@ impl DrivePose<'_> {
         })
     }
 
-    /// What inertias of the servos' rotors, kg m² at their shafts, add to the inertia of each dof, kg m² or kg.
+    /// Returns the inertia that the servos' rotors, kg m² at their shafts, add to each dof, kg m² or kg.
     /// Viscous frictions of servos become those of joints in the same way.
     ///
     /// It is the diagonal of `G⁺ᵀ J G⁺`: what is left out, the coupling of dofs through unlike servos, has no place

@@ -1,4 +1,4 @@
-//! What the user says of a robot's file.
+//! Options of a user for a robot's file.
 
 use glam::DVec3;
 

@@ -54,7 +54,8 @@ pub struct Link {
     pub joint_name: String,
     /// Index of the parent body; `None` of the base, whose parent is the world.
     pub parent: Option<usize>,
-    /// What the joint leaves free. The base's is [`JointModel::Fixed`], or [`JointModel::Free`] if it is driven.
+    /// The motion that the joint leaves free. The base's is [`JointModel::Fixed`], or [`JointModel::Free`] if it is
+    /// driven.
     pub joint: JointModel,
     /// Position of the joint in the parent's frame, m.
     pub position_m: DVec3,
@@ -68,7 +69,7 @@ pub struct Link {
     pub inertia_kg_m2: DMat3,
     /// The bodies on fixed joints that this one carries; their mass is in the numbers above.
     pub merged: Vec<MergedBody>,
-    /// What rotors add to the inertia of each dof: kg m², or kg of a slide.
+    /// The inertia that rotors add to each dof: kg m², or kg of a slide.
     pub rotor_inertia: f64,
     /// Coulomb friction of each dof: N m, or N.
     pub friction: f64,

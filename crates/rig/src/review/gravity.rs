@@ -25,7 +25,7 @@ pub struct WorstLoad {
     pub q: Vec<f64>,
 }
 
-/// What the drive of dof `axis` of joint `joint` gives to hold the pose `q` against gravity: N m, or N of a slide.
+/// Returns the effort that holds dof `axis` of joint `joint` in the pose `q` against gravity: N m, or N of a slide.
 /// O(n).
 pub fn holding_effort(mechanism: &Mechanism, q: &[f64], joint: usize, axis: usize) -> f64 {
     let poses = mechanism.poses(q);

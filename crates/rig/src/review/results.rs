@@ -1,4 +1,4 @@
-//! What a review is given and what it finds.
+//! The input and the findings of a review.
 
 use serde::Serialize;
 
@@ -11,7 +11,7 @@ pub struct Loop {
     pub latency_ticks: usize,
 }
 
-/// What the servos of one dof can do there, through their drive.
+/// The effort and speed that the servos of one dof can give there, through their drive.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Capability {
     /// Names of the servos.
@@ -146,8 +146,8 @@ pub enum Severity {
 pub struct Finding {
     /// How bad it is.
     pub severity: Severity,
-    /// What it is about: `joint elbow`.
+    /// Its subject: `joint elbow`.
     pub about: String,
-    /// What it is, and what would help.
+    /// The finding, and what would help.
     pub text: String,
 }

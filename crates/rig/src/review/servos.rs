@@ -13,7 +13,7 @@ use crate::number::single;
 const POSES: usize = 33;
 
 impl Servos {
-    /// Of a rig, by dof of its mechanism: at the weakest and at the slowest pose of each joint's range.
+    /// Returns values by dof of a rig's mechanism: at the weakest and at the slowest pose of each joint's range.
     ///
     /// # Errors
     /// [`DescriptionError`] if a servo or a drive cannot be.
@@ -70,7 +70,7 @@ fn voltages(rig: &Description) -> Vec<Voltage> {
     voltages
 }
 
-/// What the servos of one drive can do for each of its dofs alone.
+/// Returns the effort and speed that the servos of one drive can give each of its dofs alone.
 fn capabilities(
     rig: &Description,
     actuation: &Actuation,

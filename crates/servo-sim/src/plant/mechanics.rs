@@ -83,7 +83,7 @@ struct Moving {
 pub(super) struct Mechanics {
     pub(super) mechanism: Mechanism,
     gravity_m_s2: DVec3,
-    /// Of each body: where its dofs and its coordinates begin.
+    /// The first dof and the first coordinate of each body.
     pub(super) places: Vec<[usize; 2]>,
     motions: Vec<Spatial>,
     bodies: Vec<Moving>,

@@ -69,7 +69,7 @@ pub enum WriteError {
     Setting {
         /// Which one.
         name: &'static str,
-        /// What it is.
+        /// The value that was found.
         value: f64,
         /// What it must be.
         must: &'static str,

@@ -88,7 +88,7 @@ impl Ours {
         }
     }
 
-    /// Of the root all six numbers, of other joints those along their dofs.
+    /// All six numbers of the root, and those of other joints along their dofs.
     fn by_joint(&self, motions: &[Twist]) -> Vec<f64> {
         let mut all = Vec::new();
         for (body, motion) in self.inverse.tree.bodies().iter().zip(motions) {

@@ -1,4 +1,4 @@
-//! What a geodesic costs, against an optimiser that knows nothing of it: `cargo bench -p sinew-host-bench --bench
+//! Times a geodesic, against an optimiser that knows nothing of it: `cargo bench -p sinew-host-bench --bench
 //! geodesic`.
 //!
 //! Pairs of poses of the built-in clips, far apart in time and in different clips, curves of ten steps. All start

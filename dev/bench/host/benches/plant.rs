@@ -1,4 +1,4 @@
-//! What one step of each plant costs, without a controller: `cargo bench -p sinew-host-bench --bench plant`.
+//! Times one step of each plant, without a controller: `cargo bench -p sinew-host-bench --bench plant`.
 //!
 //! The time is that of 100 steps of the figure of 18 bodies under small constant torques, from the start pose
 //! of a built-in clip; the rate counts single steps.

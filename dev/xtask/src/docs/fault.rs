@@ -1,4 +1,4 @@
-//! What is wrong in the documentation, and where.
+//! A fault of the documentation, and its place.
 
 use std::path::PathBuf;
 

@@ -110,7 +110,7 @@ pub(crate) struct Weights {
 }
 
 impl Weights {
-    /// What each servo gives to hold a pose, N m. All joints have one axis: `q` and dofs are alike.
+    /// Returns the torque with which each servo holds a pose, N m. All joints have one axis: `q` and dofs are alike.
     pub(crate) fn at(&mut self, q: &[f32]) -> Vec<f32> {
         let efforts = self.dynamics.efforts(q, &self.zeros, &self.zeros).unwrap();
         self.places.iter().map(|place| efforts[*place]).collect()

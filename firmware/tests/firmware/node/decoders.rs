@@ -1,4 +1,4 @@
-//! What must hold for any bytes: used by the replay of the corpus, and by the fuzz targets in `tests/fuzz`.
+//! Properties that hold for any bytes: used by the replay of the corpus, and by the fuzz targets in `tests/fuzz`.
 
 use std::collections::BTreeSet;
 use std::sync::OnceLock;

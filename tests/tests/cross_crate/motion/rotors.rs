@@ -29,7 +29,7 @@ const GOLDEN: f64 = 2e-6;
 /// `forward_dynamics.rs`, twice.
 const ROUND_TRIP: f64 = 1e-5;
 
-/// What f32 may be off by along a joint's dofs, relative to the largest component of a wrench with and without a
+/// The error that f32 may have along a joint's dofs, relative to the largest component of a wrench with and without a
 /// rotor: sixteen roundings of 6e-8, of sums, and of the products of three components with up to two axes.
 const ALONG: f64 = 1e-6;
 

@@ -13,7 +13,7 @@
 //! are, and what does not agree is guessed again. If that does not end, one at a time (Murty's least index), which
 //! does.
 
-/// What a dof does in a step.
+/// The motion of a dof in a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Mode {
     /// It moves, in this direction if there is friction; zero if there is none.
@@ -26,7 +26,7 @@ pub(super) enum Mode {
     High,
 }
 
-/// What may hold a dof in a step.
+/// A bound that may hold a dof in a step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bounds {
     /// Speeds that lead to the ends of the range.

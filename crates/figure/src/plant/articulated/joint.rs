@@ -23,7 +23,7 @@ pub(super) struct Joint {
     kind: JointModel,
     /// Pose of the joint frame in the parent's.
     placement: Pose,
-    /// What the rotor adds to the inertia along each dof.
+    /// The inertia that the rotor adds along each dof.
     pub(super) rotor: f64,
     /// Coulomb friction along each dof.
     pub(super) friction: f64,
@@ -164,7 +164,7 @@ impl Joint {
         self.friction > 0.0 || self.ranges.iter().flatten().any(|end| end.is_finite())
     }
 
-    /// What may hold a dof, for a step of `h` seconds.
+    /// Returns the bounds that may hold a dof, for a step of `h` seconds.
     pub(super) fn bounds(&self, dof: usize, in_parent: &Pose, h: f64) -> Bounds {
         // A ball joint's turns across the one that leads to its end lead a little beyond it, too, of second order in
         // the step; they would add up.

@@ -57,7 +57,7 @@ pub enum WriteError {
         what: String,
         /// What would be right.
         expected: &'static str,
-        /// What it is.
+        /// The value that was found.
         found: String,
     },
     /// A number that cannot be written.
@@ -65,9 +65,9 @@ pub enum WriteError {
     Value {
         /// Which.
         what: String,
-        /// What it may be.
+        /// The values that are accepted.
         expected: &'static str,
-        /// What it is.
+        /// The value that was found.
         value: f64,
     },
 }

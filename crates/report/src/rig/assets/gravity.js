@@ -6,7 +6,7 @@ const moves = (joint, body) => {
 const MOVED = RIG.dofs.map((dof) =>
   RIG.bodies.map((_, body) => body).filter((body) => moves(dof.body, body)));
 
-// What each dof must give to hold the pose: N m, or N of a slide.
+// The effort with which each dof holds the pose: N m, or N of a slide.
 const GRAVITY = [0, -9.81, 0];
 const loads = (poses) => RIG.dofs.map((dof, index) => {
   const axis = axisOf(dof, poses);

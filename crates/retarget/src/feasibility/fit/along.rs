@@ -22,7 +22,7 @@ const LONGEST_S: f64 = 20.0;
 /// Rounds of slowing: what is left then is left to the next look.
 const ROUNDS: usize = 60;
 
-/// What is known of a dof at a place of the way.
+/// A dof's speed, acceleration and efforts at a place of the way.
 #[derive(Debug, Clone, Copy)]
 struct Place {
     /// q' and q''.

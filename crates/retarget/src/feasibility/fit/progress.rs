@@ -1,4 +1,4 @@
-//! What a fit leaves for the next one of the same motion.
+//! The state that a fit leaves for the next one of the same motion.
 
 use crate::feasibility::motion::RigMotion;
 

@@ -17,7 +17,7 @@ const STEPS: [f64; 2] = [0.2, 0.003];
 /// A pose at rest, and what holds it.
 pub(super) struct Rest {
     pub(super) q: Vec<f64>,
-    /// Of each dof, N m or N.
+    /// One effort for each dof, N m or N.
     pub(super) holding: Vec<f64>,
 }
 

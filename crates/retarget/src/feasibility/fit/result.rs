@@ -1,4 +1,4 @@
-//! What a fit may do, and what it did.
+//! The settings of a fit, and its result.
 
 use super::interpolation::interpolated;
 use super::progress::Progress;
@@ -42,7 +42,7 @@ pub struct Fit {
     pub lightened: Vec<(String, f64)>,
     /// The most that any angle or way was brought back into its range, by joint; only those that were.
     pub clamped: Vec<(String, f64)>,
-    /// What was done, for [`refit`](super::refit).
+    /// The changes so far, from which [`refit`](super::refit) goes on.
     pub progress: Progress,
 }
 

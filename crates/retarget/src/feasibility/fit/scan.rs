@@ -101,7 +101,7 @@ impl LimitScan<'_> {
     }
 }
 
-/// What may hold a dof where it is asked for more than it gives: with less left for motion, slower is no help.
+/// The effort that may hold a dof where more is asked than it gives: with less left for motion, slower is no help.
 /// `at_rest`: what holds it there.
 pub(super) fn most_held(limits: &DofLimits, at_rest: f64) -> f64 {
     (MOST_HELD * limits.effort).max(0.5 * (at_rest.abs() + limits.effort))
@@ -127,7 +127,7 @@ pub(super) fn lower_chain(
     }
 }
 
-/// What share of its speed a motion may have for one dof: of its speed and acceleration, and, if slower helps, of
+/// The share of its speed that a motion may have for one dof: of its speed and acceleration, and, if slower helps, of
 /// its effort and the part of that which is there however slow it goes.
 pub(super) fn pace(limits: &DofLimits, [qd, qdd]: [f64; 2], efforts: Option<[f64; 2]>) -> f64 {
     let of_motion = ratio(qd, limits.speed).min(libm::sqrt(ratio(qdd, limits.acceleration)));

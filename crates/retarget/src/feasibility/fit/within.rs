@@ -12,7 +12,7 @@ const MOST_ROOM: f64 = 0.02;
 
 /// Where the joints may be, and what was done for it.
 pub(super) struct Within {
-    /// Of each joint its numbers in a row, and its dofs.
+    /// The numbers of each joint in a row, and its dofs.
     joints: Vec<[Range<usize>; 2]>,
     /// How far from the ends of its range each joint stays, rad or m.
     pub(super) room: Vec<f64>,

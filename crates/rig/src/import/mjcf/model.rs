@@ -1,11 +1,11 @@
-//! What the whole file agrees on.
+//! Settings of the whole file.
 
 use super::compiler::MassRules;
 use super::defaults::Defaults;
 use super::pose::Angles;
 use crate::import::options::Options;
 
-/// What bodies, joints and actuators are read by.
+/// The settings by which bodies, joints and actuators are read.
 pub(super) struct Model<'a, 'd, 'o> {
     pub(super) defaults: Defaults<'a, 'd>,
     pub(super) angles: Angles,

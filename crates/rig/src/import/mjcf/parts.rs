@@ -1,4 +1,4 @@
-//! What a body of an MJCF holds.
+//! The elements of a body in an MJCF.
 
 use roxmltree::Node;
 

@@ -41,7 +41,7 @@ use sinew_core::{
 /// The commands on their way that observers have room for.
 const ROOM: usize = 8;
 
-/// Of the mass matrix of 32 bodies: three dofs each, and six of the root.
+/// Rows of the mass matrix of 32 bodies: three dofs each, and six of the root.
 const MATRIX_LEN: usize = (3 * 32 + 3) * (3 * 32 + 3);
 
 #[entry]

@@ -1,4 +1,4 @@
-//! What must hold for any bytes: used by the replay of the corpus, and by the fuzz targets.
+//! Properties that hold for any bytes: used by the replay of the corpus, and by the fuzz targets.
 
 use sinew_servo_bus::dynamixel::fast::{FastReader, FastTurn};
 use sinew_servo_bus::dynamixel::table::{MODELS, Table, address};
