@@ -78,29 +78,16 @@ fn capitalized(section: &str) -> String {
     first.to_uppercase() + rest
 }
 
-/// Returns a number with commas between its thousands.
+/// Returns a number as the file has it, so that it can be searched there.
 fn number(item: &Item) -> String {
-    let Some(whole) = item.as_integer() else {
-        return item.as_float().map(|number| number.to_string()).unwrap_or_default();
-    };
-    let digits = whole.to_string();
-    let groups: Vec<&[u8]> = digits.as_bytes().rchunks(3).rev().collect();
-    groups.join(&b',').into_iter().map(char::from).collect()
+    let whole = item.as_integer().map(|number| number.to_string());
+    whole.or_else(|| item.as_float().map(|number| number.to_string())).unwrap_or_default()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use sinew_steps::step;
-
-    #[test]
-    fn numbers_have_commas_between_thousands() {
-        let shown = |text: &str| number(&text.parse::<Item>().unwrap());
-        assert_eq!(
-            ["7", "123", "1_234", "1234567", "1.8"].map(shown),
-            ["7", "123", "1,234", "1,234,567", "1.8"]
-        );
-    }
 
     #[test]
     fn the_page_of_figures_is_what_the_budget_says() {
