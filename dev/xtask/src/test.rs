@@ -153,7 +153,6 @@ fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
     step::run("examples", step::cargo().args(["test", "--locked", "--workspace", "--doc"]))
 }
 
-
 /// What follows clippy's options.
 const DENY: [&str; 3] = ["--", "--deny", "warnings"];
 
