@@ -6,6 +6,7 @@ mod docs;
 mod emulate;
 mod firmware;
 mod limits;
+mod lints;
 mod measure;
 mod nextest;
 mod node;

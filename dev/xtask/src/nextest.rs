@@ -8,6 +8,7 @@ use std::{env, fs};
 use anyhow::Result;
 use sinew_steps::step;
 
+use crate::lints;
 use crate::python::Venv;
 
 /// cargo-nextest as a program that is built already: `cargo install` takes minutes.
@@ -18,7 +19,7 @@ pub(crate) const WITHOUT_DATA: &str = "test(emulated_) + test(in_qemu) + test(ev
     + test(a_reader_can_use_the_report) - test(robots) - test(walks)";
 
 /// Packages that only measure: no test needs them, nor what they bring.
-pub(crate) const UNTESTED: [&str; 3] = ["sinew-measure", "sinew-bench", "sinew-host-bench"];
+const UNTESTED: [&str; 3] = ["sinew-measure", "sinew-bench", "sinew-host-bench"];
 
 /// How many of the slowest tests are named.
 const NAMED: usize = 20;
@@ -28,13 +29,19 @@ pub(crate) fn run() -> Result<Command> {
     let venv = Venv::install("nextest", &[PACKAGE], PACKAGE, |_| Ok(()))?;
     let mut command = step::command(&venv.folder.join("bin/cargo-nextest").display().to_string());
     command.args(["nextest", "run", "--locked", "--workspace"]);
-    command.args(UNTESTED.map(|package| format!("--exclude={package}")));
+    command.args(without_untested());
+    lints::while_compiling(&mut command);
     Ok(command)
 }
 
-/// Builds all tests, and with them the programs and examples of the very same crates.
+/// Returns the options that leave out [`UNTESTED`].
+pub(crate) fn without_untested() -> [String; UNTESTED.len()] {
+    UNTESTED.map(|package| format!("--exclude={package}"))
+}
+
+/// Builds and lints all tests, and with them the programs and examples of the very same crates.
 pub(crate) fn build() -> Result<()> {
-    step::run("build the tests", run()?.args(["--no-run", "--cargo-quiet"]))
+    step::run("build and lint the tests", run()?.args(["--no-run", "--cargo-quiet"]))
 }
 
 /// Returns the path of a program that [`build`] has made: where cargo has put this one.

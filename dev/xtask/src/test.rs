@@ -2,16 +2,15 @@
 //! hour.
 
 use std::env;
-use std::process::Command;
 
 use anyhow::Result;
 use sinew_image::{BOARDS, EMULATED};
-use sinew_steps::image::{Image, built_in};
+use sinew_steps::image::Image;
+use sinew_steps::step;
 use sinew_steps::step::Beside;
-use sinew_steps::{arm, step};
 
 use crate::{
-    clients, deny, docs, emulate, firmware, limits, measure, nextest, node, package, parity,
+    clients, deny, docs, emulate, firmware, limits, lints, measure, nextest, node, package, parity,
     retargeting, setup, studies,
 };
 
@@ -25,7 +24,7 @@ pub(crate) enum Scope {
 }
 
 /// Core and firmware with `defmt`, too, which nothing else has.
-const WITH_DEFMT: &str = "--features=sinew-firmware/defmt";
+pub(crate) const WITH_DEFMT: &str = "--features=sinew-firmware/defmt";
 
 /// Runs checks and tests, and prints what each step took.
 pub(crate) fn run(scope: Scope) -> Result<()> {
@@ -67,9 +66,9 @@ fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
     step::run("format", step::cargo().args(["fmt", "--all", "--check"]))?;
     docs::text()?;
     deny::run()?;
-    step::run("clippy", &mut clippy(scope))?;
     if scope == Scope::All {
-        more_lints()?;
+        lints::rest()?;
+        published()?;
     }
 
     // Of its own compiler and folder: it is built while images are linked, each by one core.
@@ -91,7 +90,7 @@ fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
     for &board in flashed.filter(|board| scope == Scope::All || board.name == "nucleo_f446re") {
         firmware::build(board)?;
     }
-    lint_images(scope)?;
+    lints::images(scope)?;
     audit.end()?;
 
     let mut tests = nextest::run()?;
@@ -116,7 +115,7 @@ fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
         let result = step::run("tests", &mut tests);
         *slowest = nextest::slowest("gate");
         result?;
-        return examples(&["sinew-core", "sinew-fpu", "sinew-mocap"]);
+        return examples();
     }
 
     let mut of_measure = step::cargo();
@@ -150,70 +149,17 @@ fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
     }
     result?;
     studies::test()?;
-    step::run("examples", step::cargo().args(["test", "--locked", "--workspace", "--doc"]))
+    examples()
 }
 
-/// What follows clippy's options.
-const DENY: [&str; 3] = ["--", "--deny", "warnings"];
-
-/// Returns what lints the host's crates.
-fn clippy(scope: Scope) -> Command {
-    let mut clippy = step::cargo();
-    clippy.args(["clippy", "--locked", "--workspace"]);
-    match scope {
-        Scope::Gate => {
-            clippy.args(nextest::UNTESTED.map(|package| format!("--exclude={package}")));
-            clippy.args(["--lib", "--bins", "--tests", "--examples"]);
-        }
-        Scope::All => {
-            clippy.args(["--all-targets", WITH_DEFMT]);
-            // Fuzz targets as a fuzzer builds them.
-            clippy.arg("--features=sinew-fuzz/bolero");
-        }
-    }
-    clippy.args(DENY);
-    clippy
-}
-
-/// Lints the images: those of one run share their features.
-fn lint_images(scope: Scope) -> Result<()> {
-    if arm::toolchain()? == arm::Toolchain::Debian {
-        eprintln!("\n== clippy of the images: left out, Debian's compiler has none");
-        return Ok(());
-    }
-    let images = |title: &str, arguments: &[&str]| {
-        let mut command = arm::toolchain()?.cargo_for(arm::TARGET, "clippy");
-        command.args(arguments).args(["--bins", "--profile", "node"]).args(DENY);
-        step::run(title, command.envs(built_in()))
-    };
-    let mut common = vec!["--package", "nucleo_f446re", "--package", "sinew-audit"];
-    if scope == Scope::All {
-        common.extend(["--package", "sinew-nucleo-image", "--package", "sinew-bit-parity"]);
-        common.extend(["--package", "sinew-bench", "--features", "sinew-bench/mps2_an386"]);
-        common.extend(["--package", "sinew-qemu-node"]);
-    }
-    common.extend(["--package", EMULATED.name]);
-    images("clippy of the images", &common)?;
-    if scope == Scope::All {
-        images("clippy of the STM32G474's image", &["--package", "nucleo_g474re"])?;
-    }
-    // What needs `std` does not build for a board.
-    let mut core = arm::toolchain()?.cargo_for(arm::TARGET, "clippy");
-    core.args(["--package", "sinew-core", "--package", "sinew-firmware", "--lib"]);
-    core.arg("--features=sinew-core/serde,sinew-core/large,sinew-firmware/defmt");
-    core.args(["--profile", "node"]).args(DENY);
-    step::run("core and firmware with all features, for Arm", &mut core)
-}
-
-/// Checks what is published and documented, and lints the studies.
-fn more_lints() -> Result<()> {
+/// Checks what is published and documented.
+fn published() -> Result<()> {
     // The workspace's tests have the core as hosts do, with `large`; boards have it without.
     step::run(
         "tests of the core as boards have it",
         step::cargo().args(["test", "--locked", "--package", "sinew-core", "--features", "serde"]),
     )?;
     package::run()?;
-    studies::lint()?;
     step::run(
         "documentation",
         step::cargo()
@@ -229,12 +175,9 @@ fn more_lints() -> Result<()> {
     docs::book()
 }
 
-/// Runs the documentation's examples of crates.
-fn examples(packages: &[&str]) -> Result<()> {
+/// Runs the documentation's examples, of the crates that the tests were built with.
+fn examples() -> Result<()> {
     let mut command = step::cargo();
-    command.args(["test", "--locked", "--doc"]);
-    for package in packages {
-        command.args(["--package", package]);
-    }
-    step::run("examples", &mut command)
+    command.args(["test", "--locked", "--doc", "--workspace"]).args(nextest::without_untested());
+    step::run("examples", lints::while_compiling(&mut command))
 }

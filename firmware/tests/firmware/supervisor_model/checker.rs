@@ -53,12 +53,14 @@ pub(crate) fn check(
     let mut found = HashSet::from([Watched::default()]);
     let mut waiting = VecDeque::from([Watched::default()]);
     let mut steps = 0;
+    // Events in a row lead to one place more often than not: it is looked up once.
+    let mut last = Watched::default();
     while let Some(from) = waiting.pop_front() {
         for event in events.iter() {
             let (to, answer) = step(from.mode, &event);
             steps += 1;
             let watched = from.after(&event, to, answer);
-            if let Some(rule) = broken(&from, &event, &watched, answer) {
+            if let Err(rule) = keeps_rules(&from, &event, &watched, answer) {
                 return Err(Box::new(Violation { rule, from, event, to, answer }));
             }
             if answer.is_some_and(|answer| answer.is_err()) {
@@ -68,8 +70,11 @@ pub(crate) fn check(
                     return Err(Box::new(Violation { rule, from, event, to, answer }));
                 }
             }
-            if watched != from && found.insert(watched) {
-                waiting.push_back(watched);
+            if watched != from && watched != last {
+                last = watched;
+                if found.insert(watched) {
+                    waiting.push_back(watched);
+                }
             }
         }
     }
@@ -94,13 +99,13 @@ impl Watched {
     }
 }
 
-/// The rule that a step breaks, if any.
-fn broken(
+/// Fails with the rule that a step breaks.
+fn keeps_rules(
     from: &Watched,
     event: &Event,
     to: &Watched,
     answer: Option<Answer>,
-) -> Option<&'static str> {
+) -> Result<(), &'static str> {
     let (before, after) = (from.mode.allows(), to.mode.allows());
     let source = to.mode.source();
     let moves = after == Allows::Move;
@@ -109,71 +114,72 @@ fn broken(
     let worst = reaction(faults, to.mode.state);
     let answered = event.command.is_some() == answer.is_some();
     let is_led = answer.is_none_or(|answer| answer.is_err() || answer == Ok(to.mode.state));
-    let rules = [
-        (answered && is_led, "every command is answered with the state it led to"),
-        (
-            !matches!(event.command, Some(Command::Stop | Command::Disarm | Command::EStop))
-                || is_ok(answer),
-            "stop, disarm and e-stop are never refused",
-        ),
-        (after == Allows::Nothing || to.was_armed, "torque comes on by an arm command alone"),
-        (
-            before > Allows::Nothing
-                || after == Allows::Nothing
-                || (to.mode.state == State::Arming
-                    && event.measured
-                    && event.registers == Registers::Same
-                    && event.stop_tested
-                    && event.moving.is_none()),
-            "arming is from rest, measured, of servos set up as the rig asks, with a tested stop",
-        ),
-        (
-            !is_armed_now || !from.is_blamed && worst == Reaction::Note,
-            "after a fault nothing is armed that was not cleared",
-        ),
-        (after <= Allows::Lower || event.measured, "what holds or moves is measured"),
-        (
-            !matches!(source, Source::Feed(feed) if moves && !event.feeds.gives(feed)),
-            "what moves has a live source",
-        ),
-        (
-            after <= Allows::Lower || worst <= Reaction::Stop && is_followed(worst, &to.mode),
-            "no fault goes without its reaction",
-        ),
-        (
-            reaction(faults, from.mode.state) < Reaction::Limp || after == Allows::Nothing,
-            "limp at once is in the same tick",
-        ),
-        (
-            !from.is_ending
-                || rank(to.mode.state) <= rank(from.mode.state) - i8::from(event.time_over),
-            "what ends comes nearer to its end",
-        ),
-        (!to.is_ending || rank(to.mode.state) <= 2, "what is to end ends"),
-        (
-            from.mode.state != State::Holding || to.mode.state != State::Playing || to.mode.is_soft,
-            "from standing still it starts softly",
-        ),
-        (to.mode.state != State::Arming || to.mode.is_soft, "it arms softly"),
-        (
-            to.mode.state != State::Maintenance || !moves || event.enabled && event.feeds.jog,
-            "maintenance moves while the button is held",
-        ),
-        (
-            to.mode.state != State::Floating
-                || from.mode.state == State::Floating
-                || from.mode.state == State::Holding
-                    && event.command == Some(Command::Float)
-                    && event.carries,
-            "it floats from standing, by command, and where every servo takes an effort",
-        ),
-        (
-            from.mode.state != State::Floating || !moves,
-            "what is in somebody's hands goes nowhere by itself",
-        ),
-        (has_one_operator(from, event, to), "one operator has the rig until he or she leaves it"),
-    ];
-    rules.into_iter().find(|(holds, _)| !holds).map(|(_, rule)| rule)
+    hold(answered && is_led, "every command is answered with the state it led to")?;
+    hold(
+        !matches!(event.command, Some(Command::Stop | Command::Disarm | Command::EStop))
+            || is_ok(answer),
+        "stop, disarm and e-stop are never refused",
+    )?;
+    hold(after == Allows::Nothing || to.was_armed, "torque comes on by an arm command alone")?;
+    hold(
+        before > Allows::Nothing
+            || after == Allows::Nothing
+            || (to.mode.state == State::Arming
+                && event.measured
+                && event.registers == Registers::Same
+                && event.stop_tested
+                && event.moving.is_none()),
+        "arming is from rest, measured, of servos set up as the rig asks, with a tested stop",
+    )?;
+    hold(
+        !is_armed_now || !from.is_blamed && worst == Reaction::Note,
+        "after a fault nothing is armed that was not cleared",
+    )?;
+    hold(after <= Allows::Lower || event.measured, "what holds or moves is measured")?;
+    hold(
+        !matches!(source, Source::Feed(feed) if moves && !event.feeds.gives(feed)),
+        "what moves has a live source",
+    )?;
+    hold(
+        after <= Allows::Lower || worst <= Reaction::Stop && is_followed(worst, &to.mode),
+        "no fault goes without its reaction",
+    )?;
+    hold(
+        reaction(faults, from.mode.state) < Reaction::Limp || after == Allows::Nothing,
+        "limp at once is in the same tick",
+    )?;
+    hold(
+        !from.is_ending || rank(to.mode.state) <= rank(from.mode.state) - i8::from(event.time_over),
+        "what ends comes nearer to its end",
+    )?;
+    hold(!to.is_ending || rank(to.mode.state) <= 2, "what is to end ends")?;
+    hold(
+        from.mode.state != State::Holding || to.mode.state != State::Playing || to.mode.is_soft,
+        "from standing still it starts softly",
+    )?;
+    hold(to.mode.state != State::Arming || to.mode.is_soft, "it arms softly")?;
+    hold(
+        to.mode.state != State::Maintenance || !moves || event.enabled && event.feeds.jog,
+        "maintenance moves while the button is held",
+    )?;
+    hold(
+        to.mode.state != State::Floating
+            || from.mode.state == State::Floating
+            || from.mode.state == State::Holding
+                && event.command == Some(Command::Float)
+                && event.carries,
+        "it floats from standing, by command, and where every servo takes an effort",
+    )?;
+    hold(
+        from.mode.state != State::Floating || !moves,
+        "what is in somebody's hands goes nowhere by itself",
+    )?;
+    hold(has_one_operator(from, event, to), "one operator has the rig until he or she leaves it")
+}
+
+/// Fails with a rule that does not hold.
+fn hold(holds: bool, rule: &'static str) -> Result<(), &'static str> {
+    if holds { Ok(()) } else { Err(rule) }
 }
 
 fn is_ok(answer: Option<Answer>) -> bool {

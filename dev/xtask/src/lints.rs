@@ -1,0 +1,66 @@
+//! Clippy, over the host's crates, the images and the studies.
+
+use std::path::Path;
+use std::process::Command;
+
+use anyhow::Result;
+use sinew_image::EMULATED;
+use sinew_steps::image::built_in;
+use sinew_steps::{arm, step};
+
+use crate::studies;
+use crate::test::{Scope, WITH_DEFMT};
+
+/// What follows clippy's options.
+const DENY: [&str; 3] = ["--", "--deny", "warnings"];
+
+/// Lets a build of tests lint what it compiles: clippy is a compiler that says more. To check all crates first, and
+/// what they depend on, costs a fifth of the gate.
+///
+/// These are the two variables that `cargo clippy` sets, too. Builds without them share nothing of ours with builds
+/// that have them.
+pub(crate) fn while_compiling(cargo: &mut Command) -> &mut Command {
+    let clippy = Path::new(step::cargo().get_program()).with_file_name("clippy-driver");
+    let deny = DENY[1..].iter().map(|option| format!("{option}__CLIPPY_HACKERY__"));
+    cargo.env("RUSTC_WORKSPACE_WRAPPER", clippy).env("CLIPPY_ARGS", deny.collect::<String>())
+}
+
+/// Lints what no build of tests compiles: benches, features of boards and of fuzzers, studies.
+pub(crate) fn rest() -> Result<()> {
+    let mut clippy = step::cargo();
+    clippy.args(["clippy", "--locked", "--workspace", "--all-targets", WITH_DEFMT]);
+    // Fuzz targets as a fuzzer builds them.
+    clippy.arg("--features=sinew-fuzz/bolero");
+    step::run("clippy of all targets", clippy.args(DENY))?;
+    studies::lint()
+}
+
+/// Lints the images: those of one run share their features.
+pub(crate) fn images(scope: Scope) -> Result<()> {
+    if arm::toolchain()? == arm::Toolchain::Debian {
+        eprintln!("\n== clippy of the images: left out, Debian's compiler has none");
+        return Ok(());
+    }
+    let images = |title: &str, arguments: &[&str]| {
+        let mut command = arm::toolchain()?.cargo_for(arm::TARGET, "clippy");
+        command.args(arguments).args(["--bins", "--profile", "node"]).args(DENY);
+        step::run(title, command.envs(built_in()))
+    };
+    let mut common = vec!["--package", "nucleo_f446re", "--package", "sinew-audit"];
+    if scope == Scope::All {
+        common.extend(["--package", "sinew-nucleo-image", "--package", "sinew-bit-parity"]);
+        common.extend(["--package", "sinew-bench", "--features", "sinew-bench/mps2_an386"]);
+        common.extend(["--package", "sinew-qemu-node"]);
+    }
+    common.extend(["--package", EMULATED.name]);
+    images("clippy of the images", &common)?;
+    if scope == Scope::All {
+        images("clippy of the STM32G474's image", &["--package", "nucleo_g474re"])?;
+    }
+    // What needs `std` does not build for a board.
+    let mut core = arm::toolchain()?.cargo_for(arm::TARGET, "clippy");
+    core.args(["--package", "sinew-core", "--package", "sinew-firmware", "--lib"]);
+    core.arg("--features=sinew-core/serde,sinew-core/large,sinew-firmware/defmt");
+    core.args(["--profile", "node"]).args(DENY);
+    step::run("core and firmware with all features, for Arm", &mut core)
+}
