@@ -3,8 +3,8 @@
 use std::time::{Duration, SystemTime};
 
 use sinew_link::message::{
-    About, Applied, Command, FaultRecord, Hello, Limit, Misfit, Outcome, Parts, Refusal, State,
-    Stream, TelemetrySetting, ToController, ToHost, Value, Version, Welcome,
+    About, Applied, Command, FaultRecord, Hello, Limit, Misfit, Outcome, Refusal, State, Stream,
+    TelemetryParts, TelemetrySetting, ToController, ToHost, Value, Version, Welcome,
 };
 use sinew_link::{Decoder, FRAME_MAX, Next, Sender, encode};
 
@@ -212,7 +212,7 @@ impl<L: Line> Board<L> {
     pub fn telemetry(
         &mut self,
         rate_hz: f32,
-        parts: Parts,
+        parts: TelemetryParts,
     ) -> Result<TelemetrySetting, ClientError> {
         match self.ask(Command::SetTelemetry(TelemetrySetting { rate_hz, parts }))? {
             Applied::Telemetry(setting) => Ok(setting),

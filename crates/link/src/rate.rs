@@ -1,17 +1,17 @@
 //! What a line carries: sums at compile time, checked against what is written.
 //!
 //! ```
-//! use sinew_link::message::Parts;
+//! use sinew_link::message::TelemetryParts;
 //! use sinew_link::rate::{RigSize, telemetry_hz};
 //!
 //! // The whole telemetry of a rig of 20 servos, over the serial port of a debugger.
 //! const OP3: RigSize = RigSize { coordinates: 20, dofs: 20, servos: 20 };
-//! const RATE_HZ: u32 = telemetry_hz(115_200, OP3, Parts::ALL);
+//! const RATE_HZ: u32 = telemetry_hz(115_200, OP3, TelemetryParts::ALL);
 //! assert_eq!(RATE_HZ, 18);
 //! ```
 
 pub use crate::frame::frame_len;
-use crate::message::{DOFS_A_FRAME, POSE_MAX, Parts, SERVOS_A_FRAME};
+use crate::message::{DOFS_A_FRAME, POSE_MAX, SERVOS_A_FRAME, TelemetryParts};
 
 /// Bits of a byte on a serial line: start, eight, stop.
 const BITS_A_BYTE: u32 = 10;
@@ -44,20 +44,33 @@ pub const fn frames_per_second(bits_per_second: u32, body_len: usize) -> u32 {
 
 /// How many snapshots of these parts a serial line carries in a second, if telemetry gets three quarters of it. The
 /// rest is for answers, faults and the bytes of servos.
-pub const fn telemetry_hz(bits_per_second: u32, size: RigSize, parts: Parts) -> u32 {
+pub const fn telemetry_hz(bits_per_second: u32, size: RigSize, parts: TelemetryParts) -> u32 {
     let bytes_per_second = bits_per_second / BITS_A_BYTE;
     let share = bytes_per_second.saturating_sub(bytes_per_second.div_ceil(4));
     per_second(share, snapshot_len(size, parts))
 }
 
 /// Bytes of a snapshot of these parts, at most: all its frames with their zeros.
-pub const fn snapshot_len(size: RigSize, parts: Parts) -> usize {
-    let summary =
-        if parts.has(Parts::SUMMARY) { frame_len(HEAD.saturating_add(SUMMARY)) } else { 0 };
+pub const fn snapshot_len(size: RigSize, parts: TelemetryParts) -> usize {
+    let summary = if parts.has(TelemetryParts::SUMMARY) {
+        frame_len(HEAD.saturating_add(SUMMARY))
+    } else {
+        0
+    };
     summary
-        .saturating_add(list_len(parts.has(Parts::POSE), size.coordinates, POSE_MAX, NUMBER))
-        .saturating_add(list_len(parts.has(Parts::DOFS), size.dofs, DOFS_A_FRAME, DOF))
-        .saturating_add(list_len(parts.has(Parts::SERVOS), size.servos, SERVOS_A_FRAME, SERVO))
+        .saturating_add(list_len(
+            parts.has(TelemetryParts::POSE),
+            size.coordinates,
+            POSE_MAX,
+            NUMBER,
+        ))
+        .saturating_add(list_len(parts.has(TelemetryParts::DOFS), size.dofs, DOFS_A_FRAME, DOF))
+        .saturating_add(list_len(
+            parts.has(TelemetryParts::SERVOS),
+            size.servos,
+            SERVOS_A_FRAME,
+            SERVO,
+        ))
 }
 
 const fn list_len(wanted: bool, items: usize, a_frame: usize, item_len: usize) -> usize {

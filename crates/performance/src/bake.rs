@@ -101,7 +101,7 @@ impl Baked {
 
 /// What a show tells beside the motion.
 #[derive(Debug, Clone, Default)]
-pub struct Marks {
+pub struct ShowMarks {
     /// Rows of the motion, with names.
     pub cues: Vec<(u32, String)>,
     /// Of the first row.
@@ -112,7 +112,7 @@ pub struct Marks {
     pub is_loop: bool,
 }
 
-impl Marks {
+impl ShowMarks {
     /// A fit's motion, with nothing beside it.
     ///
     /// # Errors
@@ -169,7 +169,7 @@ impl Baker<'_> {
     ///
     /// # Errors
     /// [`BakeError`] if the motion is beyond what a show holds.
-    pub fn bake(&self, motion: &RigMotion, marks: &Marks) -> Result<Baked, BakeError> {
+    pub fn bake(&self, motion: &RigMotion, marks: &ShowMarks) -> Result<Baked, BakeError> {
         let content = Content::of(self.mechanism, motion, marks)?;
         content.baked(&mut Writer::new(content.motion(self.rig), self.settings)?)
     }
@@ -185,7 +185,7 @@ impl Baker<'_> {
         limits: &Limits,
         given: &RigMotion,
         mut fitted: Fit,
-        of_fit: impl Fn(&Fit) -> Result<(Cow<'_, RigMotion>, Marks), BakeError>,
+        of_fit: impl Fn(&Fit) -> Result<(Cow<'_, RigMotion>, ShowMarks), BakeError>,
     ) -> Result<(Fit, Baked, Report), BakeError> {
         let mut tight = limits.clone();
         let mut fits = 0;
@@ -219,13 +219,13 @@ impl Baker<'_> {
         &self,
         limits: &Limits,
         motion: &RigMotion,
-        marks: &Marks,
+        marks: &ShowMarks,
     ) -> Result<(Baked, Report), BakeError> {
         let content = Content::of(self.mechanism, motion, marks)?;
         let mut writer = Writer::new(content.motion(self.rig), self.settings)?;
         loop {
             let baked = content.baked(&mut writer)?;
-            let played = Played::new(&baked.written.bytes)?;
+            let played = ShowPlayback::new(&baked.written.bytes)?;
             let rough_hz = rate_at_rows(ROUGH_HZ, motion.dt_s);
             let mut report = check(self.mechanism, limits, &played, rough_hz)?;
             if report.excesses.is_empty() {
@@ -271,13 +271,17 @@ struct Content<'a> {
     q: Vec<f64>,
     rate: Rate,
     cues: Vec<(u32, &'a str)>,
-    marks: &'a Marks,
+    marks: &'a ShowMarks,
     dofs: usize,
     duration_s: f64,
 }
 
 impl<'a> Content<'a> {
-    fn of(mechanism: &Mechanism, motion: &RigMotion, marks: &'a Marks) -> Result<Self, BakeError> {
+    fn of(
+        mechanism: &Mechanism,
+        motion: &RigMotion,
+        marks: &'a ShowMarks,
+    ) -> Result<Self, BakeError> {
         // Behind the last sample of a loop comes the first.
         let rows = &motion.rows[..motion.rows.len() - usize::from(marks.is_loop)];
         let last = u32::try_from(rows.len() - 1).unwrap_or(u32::MAX);
@@ -296,7 +300,7 @@ impl<'a> Content<'a> {
     }
 
     fn motion(&self, rig: u32) -> Motion<'_> {
-        let Marks { time_code, course, is_loop, .. } = self.marks;
+        let ShowMarks { time_code, course, is_loop, .. } = self.marks;
         Motion {
             joints: &self.joints,
             q: &self.q,
@@ -345,7 +349,7 @@ fn rate(dt_s: f64) -> Result<Rate, BakeError> {
 /// A show as it is played, with the derivatives of its curve: what [`check`](sinew_retarget::feasibility::check) looks
 /// at.
 #[derive(Debug)]
-pub struct Played<'a> {
+pub struct ShowPlayback<'a> {
     player: RefCell<(Player<'a, CHANNELS>, State)>,
 }
 
@@ -357,7 +361,7 @@ struct State {
     qdd: Vec<f32>,
 }
 
-impl<'a> Played<'a> {
+impl<'a> ShowPlayback<'a> {
     /// Opens a show.
     ///
     /// # Errors
@@ -383,7 +387,7 @@ impl<'a> Played<'a> {
     }
 }
 
-impl Performance for Played<'_> {
+impl Performance for ShowPlayback<'_> {
     fn duration_s(&self) -> f64 {
         f64::from(self.player.borrow().0.show().duration_s())
     }

@@ -23,7 +23,7 @@ mod table;
 pub mod teach;
 pub mod text;
 
-pub use bake::{BakeError, Baked, Baker, CHECK_HZ, Marks, Played, course, rig_hash};
+pub use bake::{BakeError, Baked, Baker, CHECK_HZ, ShowMarks, ShowPlayback, course, rig_hash};
 pub use clip::{ClipError, ClipSettings, PreparedClip};
 pub use own_motion::OwnMotion;
 pub use retargeted_clip::{RetargetError, RetargetedClip, retarget_clip};

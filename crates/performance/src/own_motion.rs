@@ -7,7 +7,7 @@ use sinew_mocap::read;
 use sinew_retarget::exchange::{blender, servos, table};
 use sinew_retarget::feasibility::RigMotion;
 
-use super::rig::Loaded;
+use super::rig::LoadedRig;
 
 /// A kind of file with a motion of a rig's own: no clip that has to be retargeted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,7 +40,7 @@ impl OwnMotion {
     ///
     /// # Errors
     /// The file is not a motion of this rig.
-    pub fn read(self, rig: &Loaded, path: &Path) -> anyhow::Result<(RigMotion, f64)> {
+    pub fn read(self, rig: &LoadedRig, path: &Path) -> anyhow::Result<(RigMotion, f64)> {
         let motion = || -> anyhow::Result<(RigMotion, f64)> {
             let text = read::text(path)?;
             match self {

@@ -14,9 +14,9 @@ use sinew_rig::review::Servos;
 use sinew_show::TimeCode;
 use sinew_show::write::Settings;
 
-use super::bake::{BakeError, Baked, Baker, CHECK_HZ, Marks, Played, course};
+use super::bake::{BakeError, Baked, Baker, CHECK_HZ, ShowMarks, ShowPlayback, course};
 use super::retargeted_clip::RetargetedClip;
-use super::rig::Loaded;
+use super::rig::LoadedRig;
 use super::table::fitted;
 
 /// Choices of what is done to a motion before it is used.
@@ -64,7 +64,7 @@ impl RigPerformance {
     /// # Errors
     /// The motion cannot be looped or fitted.
     pub fn new(
-        rig: &Loaded,
+        rig: &LoadedRig,
         name: &str,
         start_s: f64,
         mut clip: RetargetedClip,
@@ -107,12 +107,12 @@ impl RigPerformance {
         let ShowChoices { rig_crc, settings, time_code, .. } = *choices;
         let baker = Baker { mechanism, rig: rig_crc, settings };
         let is_loop = self.loop_blend_s.is_some();
-        let marks = |cues, course| Marks { cues, time_code, course, is_loop };
+        let marks = |cues, course| ShowMarks { cues, time_code, course, is_loop };
         // Cues out of the clip are refused before the work.
         let cues = self.cues(None, choices.cues)?;
         let Some(fit) = self.fit.take() else {
             let baked = baker.bake(&self.clip.motion, &marks(cues, Vec::new()))?;
-            let played = Played::new(&baked.written.bytes)?;
+            let played = ShowPlayback::new(&baked.written.bytes)?;
             let report = check(mechanism, &self.limits, &played, CHECK_HZ)?;
             return Ok((baked, report));
         };

@@ -2,7 +2,7 @@
 
 use sinew_firmware::supervisor::{Command, Feed, State};
 use sinew_link::message::{Command as Linked, Feed as LinkedFeed};
-use sinew_performance::play::{Drive, Parts, PeerController, RigController};
+use sinew_performance::play::{Drive, PeerController, RigController, RigParts};
 use sinew_qemu_node::message::{LoopMessage, Packets, ToHost, ToNode};
 use sinew_qemu_node::node::{bits, commanded};
 use sinew_servo_bus::Request;
@@ -27,7 +27,7 @@ impl QemuController {
     ///
     /// # Errors
     /// [`QemuError`] says what the node refuses.
-    pub fn new(emulator: Emulator, parts: &Parts, show: &[u8]) -> Result<Self, QemuError> {
+    pub fn new(emulator: Emulator, parts: &RigParts, show: &[u8]) -> Result<Self, QemuError> {
         if let Some(part) = parts.servos.iter().find(|part| part.drive == Drive::Pulses) {
             return Err(QemuError::Pulses(part.own.name.clone()));
         }

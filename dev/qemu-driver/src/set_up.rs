@@ -4,7 +4,7 @@
 use sha2::{Digest as _, Sha256};
 use sinew_firmware::node::{RIG_SCHEMA, SETTINGS_SCHEMA, SHOW_SCHEMA};
 use sinew_link::message::{Item, Kind};
-use sinew_performance::play::Parts;
+use sinew_performance::play::RigParts;
 use sinew_qemu_node::built_in::{BuiltIn, Rig};
 use sinew_qemu_node::limits::{CAPACITY, LINES, RIG_ROOM};
 use sinew_qemu_node::message::ToNode;
@@ -16,7 +16,7 @@ use super::node::Node;
 const APPROVER: &str = "sinew play";
 
 /// Switches a board on that has this rig's lines and servos built in.
-pub(super) fn power_on(node: &mut Node, parts: &Parts) -> Result<(), QemuError> {
+pub(super) fn power_on(node: &mut Node, parts: &RigParts) -> Result<(), QemuError> {
     fits("lines of servos", parts.lines.len(), LINES)?;
     fits("servos", parts.servos.len(), CAPACITY)?;
     let wiring = parts.wiring().map_err(QemuError::Wiring)?;
@@ -37,7 +37,7 @@ pub(super) fn power_on(node: &mut Node, parts: &Parts) -> Result<(), QemuError> 
 }
 
 /// Uploads rig, show and settings; after the settings the node begins anew with all of them.
-pub(super) fn upload(node: &mut Node, parts: &Parts, show: &[u8]) -> Result<(), QemuError> {
+pub(super) fn upload(node: &mut Node, parts: &RigParts, show: &[u8]) -> Result<(), QemuError> {
     let holds = node.connect()?.about.capacities;
     let tree = parts.compact().tree();
     fits("bodies", tree.len(), holds.bodies.into())?;

@@ -7,8 +7,8 @@ use std::rc::Rc;
 use std::thread;
 
 use sinew_firmware::supervisor::FaultSet;
-use sinew_performance::play::{Director, Drive, Ended, Memory, Options, Parts, SimulatedRig};
-use sinew_performance::{Baker, Marks};
+use sinew_performance::play::{Director, Drive, Ended, Memory, Options, RigParts, SimulatedRig};
+use sinew_performance::{Baker, ShowMarks};
 use sinew_qemu_node::limits::FLASH_LEN;
 use sinew_qemu_node::message::{Bytes, End};
 use sinew_qemu_node::node;
@@ -38,7 +38,7 @@ impl Bytes for Ends {
 type Shared = Rc<RefCell<QemuController>>;
 
 /// Starts the node of the image in a thread.
-fn here(parts: &Parts, show: &[u8]) -> Result<Shared, QemuError> {
+fn here(parts: &RigParts, show: &[u8]) -> Result<Shared, QemuError> {
     let [(from_node, to_host), (from_host, to_node)] = [pipe().unwrap(), pipe().unwrap()];
     let run = || {
         let (mut flash, mut lent) = (vec![0; FLASH_LEN], vec![0; 1 << 20]);
@@ -54,7 +54,7 @@ fn here(parts: &Parts, show: &[u8]) -> Result<Shared, QemuError> {
 struct Swing {
     rig: Description,
     mechanism: Mechanism,
-    parts: Parts,
+    parts: RigParts,
     show: Vec<u8>,
 }
 
@@ -66,7 +66,8 @@ impl Swing {
         "STS3215-7.4V".clone_into(&mut rig.servos[1].model);
         "tip".clone_into(&mut rig.servos[1].bus);
         let mechanism = rig.mechanism().unwrap();
-        let parts = Parts::new(&rig, &mechanism, Options { drive, ..Options::default() }).unwrap();
+        let parts =
+            RigParts::new(&rig, &mechanism, Options { drive, ..Options::default() }).unwrap();
         let row = |step: u32| {
             let swing = 0.2 * (f64::from(step) * std::f64::consts::TAU / 20.0).sin();
             mechanism.home().iter().map(|home| home + swing).collect()
@@ -74,7 +75,7 @@ impl Swing {
         let motion = RigMotion { dt_s: 0.1, rows: (0..=20).map(row).collect() };
         let (rig_crc, settings) = (parts.rig_crc(), Settings::default());
         let baker = Baker { mechanism: &mechanism, rig: rig_crc, settings };
-        let show = baker.bake(&motion, &Marks::default());
+        let show = baker.bake(&motion, &ShowMarks::default());
         Self { show: show.unwrap().written.bytes, rig, mechanism, parts }
     }
 
@@ -120,7 +121,7 @@ fn a_whole_node_says_on_both_lines_what_the_controller_says() {
 fn a_node_that_is_not_the_same_is_noticed() {
     let swing = Swing::new(None);
     let options = Options { rate_hz: Some(250), ..Options::default() };
-    let other = Parts::new(&swing.rig, &swing.mechanism, options).unwrap();
+    let other = RigParts::new(&swing.rig, &swing.mechanism, options).unwrap();
     assert_ne!(other.rate_hz, swing.parts.rate_hz);
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; 3];
     let peer = here(&other, &swing.show).unwrap();

@@ -1,7 +1,7 @@
 //! From what servos measure to joints, by the same drives.
 
 use sinew_rig::board::BoardDrive;
-use sinew_rig::drive::{DriveInputError, MOST, Numbers};
+use sinew_rig::drive::{DRIVE_CAPACITY, DriveInputError, Numbers};
 use sinew_servo_bus::Effort;
 
 use super::{Condition, Drives, InputError};
@@ -83,7 +83,7 @@ impl Shafts {
         let velocities = pose.joint_velocities(&self.velocities)?;
         let efforts =
             self.torques.as_ref().map(|torques| pose.joint_efforts(torques)).transpose()?;
-        for (place, dof) in drive.dofs.iter().enumerate().take(MOST) {
+        for (place, dof) in drive.dofs.iter().enumerate().take(DRIVE_CAPACITY) {
             let at = |numbers: &[f32]| numbers.get(place).copied().unwrap_or(0.0);
             if let Some(out) = out.get_mut(usize::from(*dof)) {
                 *out = Some(Measured {

@@ -2,7 +2,8 @@
 
 use embedded_storage::nor_flash::NorFlash;
 use sinew_link::message::{
-    Applied, Command, Health, Limit, Outcome, PASS_WAIT_US, Parts, Pass, Refusal, TelemetrySetting,
+    Applied, Command, Health, Limit, Outcome, PASS_WAIT_US, Pass, Refusal, TelemetryParts,
+    TelemetrySetting,
 };
 use sinew_link::rate::{RigSize, telemetry_hz};
 
@@ -186,7 +187,7 @@ impl<
         let Some(size) = size else {
             return Outcome::Refused(Refusal::Fault(Fault::SettingsBad.number()));
         };
-        let parts = Parts(setting.parts.0 & Parts::ALL.0);
+        let parts = TelemetryParts(setting.parts.0 & TelemetryParts::ALL.0);
         let most = telemetry_hz(self.setup.line_bps, size, parts) as f32;
         let most = most.min(1.0 / self.setup.tick_s);
         let rate_hz = setting.rate_hz.max(0.0).min(most);

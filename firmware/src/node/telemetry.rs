@@ -1,6 +1,6 @@
 //! Telemetry at the rate that the host has chosen.
 
-use sinew_link::message::{Parts, Snapshot, TelemetrySetting, ToHost};
+use sinew_link::message::{Snapshot, TelemetryParts, TelemetrySetting, ToHost};
 
 use super::mail::{Mail, Shared, Tick};
 use super::outbox::Outbox;
@@ -17,7 +17,7 @@ pub(super) struct Telemeter<const DOFS: usize, const SERVOS: usize, const COORDS
 impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Telemeter<DOFS, SERVOS, COORDS> {
     /// None is sent.
     pub(super) const fn new() -> Self {
-        let setting = TelemetrySetting { rate_hz: 0.0, parts: Parts(0) };
+        let setting = TelemetrySetting { rate_hz: 0.0, parts: TelemetryParts(0) };
         Self { setting, due_us: 0, sending: None, seq: 0 }
     }
 

@@ -6,8 +6,10 @@ use std::process::ExitCode;
 use anyhow::bail;
 use sinew_host_util::command::{note, print};
 use sinew_host_util::output;
-use sinew_performance::rig::Loaded;
-use sinew_performance::{Baked, Played, RigPerformance, ShowChoices, feasibility, led, rig_hash};
+use sinew_performance::rig::LoadedRig;
+use sinew_performance::{
+    Baked, RigPerformance, ShowChoices, ShowPlayback, feasibility, led, rig_hash,
+};
 use sinew_report::feasibility::Page;
 use sinew_show::write::Settings as ShowSettings;
 use sinew_show::{Show, TimeCode, TimeCodeKind};
@@ -119,7 +121,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
             mechanism,
             limits: &performance.limits,
             report: &report,
-            performance: &Played::new(&baked.written.bytes)?,
+            performance: &ShowPlayback::new(&baked.written.bytes)?,
             fitted: done.as_deref(),
             summary: &head,
         };
@@ -134,7 +136,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
 }
 
 /// What was written.
-fn head(args: &Args, rig: &Loaded, performance: &RigPerformance, baked: &Baked) -> String {
+fn head(args: &Args, rig: &LoadedRig, performance: &RigPerformance, baked: &Baked) -> String {
     let written = &baked.written;
     let given_s = performance.clip.motion.duration_s();
     let slower = if baked.duration_s > given_s {

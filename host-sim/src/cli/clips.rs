@@ -14,7 +14,7 @@ use sinew_figure::{FigureMotion, mapping};
 use sinew_host_util::command::{ThreadArgs, note};
 use sinew_mocap::files::{ClipFile, expand_all};
 use sinew_performance::RigClip;
-use sinew_performance::rig::Loaded;
+use sinew_performance::rig::LoadedRig;
 
 use super::performance::{ON_STAND, PerformanceArgs};
 use super::unit_args::UnitArgs;
@@ -90,7 +90,7 @@ impl ClipArgs {
         &self,
         threads: &ThreadArgs,
         on_rig: &PerformanceArgs,
-        work: impl FnOnce(Option<&Loaded>) -> anyhow::Result<ExitCode> + Send,
+        work: impl FnOnce(Option<&LoadedRig>) -> anyhow::Result<ExitCode> + Send,
     ) -> anyhow::Result<ExitCode> {
         threads.install(|| {
             let rig = self.rig(on_rig)?;
@@ -99,7 +99,7 @@ impl ClipArgs {
     }
 
     /// The user's rig, if one is named; what its import changed is said on standard error.
-    pub(super) fn rig(&self, on_rig: &PerformanceArgs) -> anyhow::Result<Option<Loaded>> {
+    pub(super) fn rig(&self, on_rig: &PerformanceArgs) -> anyhow::Result<Option<LoadedRig>> {
         self.rig.as_deref().map(|path| on_rig.rig(path, ON_STAND)).transpose()
     }
 
@@ -122,7 +122,7 @@ impl ClipArgs {
     /// The clips, taken over by a rig.
     pub(super) fn performances(
         &self,
-        rig: &Loaded,
+        rig: &LoadedRig,
         on_rig: &PerformanceArgs,
     ) -> anyhow::Result<Vec<RigClip>> {
         let expanded = expand_all(&self.clips)?;
@@ -143,7 +143,11 @@ impl ClipArgs {
     }
 
     /// The motions of a rig's own joints: `in_turn` with those of one joint after the other.
-    pub(super) fn exercises(&self, rig: &Loaded, in_turn: bool) -> anyhow::Result<Vec<Exercise>> {
+    pub(super) fn exercises(
+        &self,
+        rig: &LoadedRig,
+        in_turn: bool,
+    ) -> anyhow::Result<Vec<Exercise>> {
         let settings = ExerciseSettings {
             rate_hz: self.rate_hz.unwrap_or(RIG_RATE_HZ),
             shares: self.speed_shares.clone(),
@@ -156,7 +160,7 @@ impl ClipArgs {
 
     /// What is tracked, of either kind, and what was done to the clips before. Of a rig, the motions of all joints
     /// together: those in turn take long, and most joints stand still.
-    pub(super) fn takes(&self, rig: Option<&Loaded>) -> anyhow::Result<(Motions, Vec<String>)> {
+    pub(super) fn takes(&self, rig: Option<&LoadedRig>) -> anyhow::Result<(Motions, Vec<String>)> {
         fn boxed<T: EvaluatedMotion + 'static>(takes: Vec<T>) -> Motions {
             takes.into_iter().map(|take| Box::new(take) as Box<dyn EvaluatedMotion>).collect()
         }
@@ -225,7 +229,7 @@ impl ClipArgs {
 }
 
 /// What is tracked, in a report: how many clips, or motions of which rig.
-pub(super) fn what(rig: Option<&Loaded>, count: usize) -> String {
+pub(super) fn what(rig: Option<&LoadedRig>, count: usize) -> String {
     match rig {
         Some(rig) => format!("rig {}, {count} motions", rig.description.name),
         None => format!("{count} clips"),
@@ -233,7 +237,7 @@ pub(super) fn what(rig: Option<&Loaded>, count: usize) -> String {
 }
 
 /// The figure's dimensions, in a report. A rig has its own.
-pub(super) fn dimensions(rig: Option<&Loaded>, scale: f64) -> String {
+pub(super) fn dimensions(rig: Option<&LoadedRig>, scale: f64) -> String {
     rig.map_or_else(|| format!(", {scale} times the dimensions"), |_| String::new())
 }
 

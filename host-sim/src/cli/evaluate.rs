@@ -13,7 +13,7 @@ use sinew_evaluation::{
 };
 use sinew_host_util::command::{ThreadArgs, note, print, with_progress};
 use sinew_host_util::output::{self, Folder};
-use sinew_performance::rig::{Loaded, review};
+use sinew_performance::rig::{LoadedRig, review};
 use sinew_rig::Mechanism;
 use sinew_rig::review::{Finding, Loop, Severity};
 
@@ -98,7 +98,7 @@ pub(super) fn ensure_different<T: PartialEq + Display>(
     Ok(())
 }
 
-fn run_on(args: &Args, rig: Option<&Loaded>) -> anyhow::Result<ExitCode> {
+fn run_on(args: &Args, rig: Option<&LoadedRig>) -> anyhow::Result<ExitCode> {
     let protocol = args.protocol(rig.map(|rig| &rig.mechanism))?;
     check_fixed(&protocol.setup, &protocol.methods)?;
     // Before the work, not after it.
@@ -201,7 +201,7 @@ impl Args {
 }
 
 /// Says what of a rig is too weak for its own weight, as `sinew rig check` finds it.
-fn tell_faults(rig: &Loaded) -> anyhow::Result<()> {
+fn tell_faults(rig: &LoadedRig) -> anyhow::Result<()> {
     let control = Loop { rate_hz: RIG_RATE_HZ, latency_ticks: 1 };
     let review = review(rig, control)?;
     for Finding { about, text, .. } in

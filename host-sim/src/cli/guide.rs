@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use anyhow::Context as _;
-use sinew_performance::rig::Loaded;
+use sinew_performance::rig::LoadedRig;
 use sinew_performance::teach::GuideTrajectory;
 use sinew_retarget::exchange::table;
 
 /// Reads where a scripted hand leads: along the file, or the built-in way.
-pub(super) fn read_guide(rig: &Loaded, file: Option<&Path>) -> anyhow::Result<GuideTrajectory> {
+pub(super) fn read_guide(rig: &LoadedRig, file: Option<&Path>) -> anyhow::Result<GuideTrajectory> {
     let Some(path) = file else { return Ok(GuideTrajectory::built_in(&rig.mechanism)?) };
     let of_file = || path.display().to_string();
     let text = sinew_mocap::read::text(path).with_context(of_file)?;

@@ -8,7 +8,7 @@ use sinew_evaluation::report::latency_table;
 use sinew_evaluation::{EvaluatedMotion, TRACKS_BELOW_DEG};
 use sinew_figure::Dimensions;
 use sinew_host_util::command::{ThreadArgs, print, with_progress};
-use sinew_performance::rig::Loaded;
+use sinew_performance::rig::LoadedRig;
 
 use super::clips::{ClipArgs, dimensions, rate, seconds, tell, what};
 use super::evaluate::{ensure_different, scale};
@@ -56,7 +56,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     args.clips.in_pool(&args.threads, &PerformanceArgs::default(), |rig| run_on(args, rig))
 }
 
-fn run_on(args: &Args, rig: Option<&Loaded>) -> anyhow::Result<ExitCode> {
+fn run_on(args: &Args, rig: Option<&LoadedRig>) -> anyhow::Result<ExitCode> {
     let mut setup = args.setup.setup_on_exact(rig.map(|rig| &rig.mechanism))?;
     ensure!(
         setup.disturbance.latency_steps == 0 && !setup.controller.observer.predict,

@@ -6,7 +6,7 @@ use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
 use sinew_host_util::command::note;
 use sinew_mocap::files::ClipFile;
-use sinew_performance::rig::{Loaded, has_feet};
+use sinew_performance::rig::{LoadedRig, has_feet};
 use sinew_performance::{
     ClipSettings, MotionChoices, OwnMotion, PreparedClip, RetargetedClip, RigPerformance,
     read_mapping, retarget_clip,
@@ -74,7 +74,7 @@ impl PerformanceArgs {
     }
 
     /// Reads a rig, and holds its base as asked for.
-    pub(super) fn rig(&self, path: &Path, defaults: Defaults) -> anyhow::Result<Loaded> {
+    pub(super) fn rig(&self, path: &Path, defaults: Defaults) -> anyhow::Result<LoadedRig> {
         let mut rig = read(path)?;
         let base = match self.base {
             None if defaults.travels && has_feet(&rig.mechanism) => Base::Driven,
@@ -89,7 +89,7 @@ impl PerformanceArgs {
     /// Puts a clip on a rig.
     pub(super) fn perform(
         &self,
-        rig: &Loaded,
+        rig: &LoadedRig,
         path: &Path,
         mapping: Option<&Path>,
         seconds: Option<f64>,
@@ -139,7 +139,7 @@ impl PerformanceArgs {
 }
 
 /// How near the rig comes to the performer.
-fn tell(name: &str, rig: &Loaded, taken: &RetargetedClip) {
+fn tell(name: &str, rig: &LoadedRig, taken: &RetargetedClip) {
     let rig = &rig.description.name;
     if taken.limbs > 0 {
         note(format_args!(

@@ -8,7 +8,7 @@ use sinew_evaluation::robustness::RobustnessProtocol;
 use sinew_evaluation::{Disturbance, EvaluatedMotion as _};
 use sinew_figure::Dimensions;
 use sinew_host_util::command::{ThreadArgs, print, with_progress};
-use sinew_performance::rig::Loaded;
+use sinew_performance::rig::LoadedRig;
 
 use super::clips::{ClipArgs, dimensions, seconds, tell, what};
 use super::evaluate::{ensure_different, scale};
@@ -73,7 +73,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     args.clips.in_pool(&args.threads, &PerformanceArgs::default(), |rig| run_on(args, rig))
 }
 
-fn run_on(args: &Args, rig: Option<&Loaded>) -> anyhow::Result<ExitCode> {
+fn run_on(args: &Args, rig: Option<&LoadedRig>) -> anyhow::Result<ExitCode> {
     let mut setup = args.setup.setup_on_exact(rig.map(|rig| &rig.mechanism))?;
     let disturbance = &setup.disturbance;
     ensure!(

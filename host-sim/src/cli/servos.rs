@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use anyhow::{Context as _, bail};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use sinew_host_util::command::{note, print};
-use sinew_performance::rig::Loaded;
+use sinew_performance::rig::LoadedRig;
 use sinew_servo_sim::fault::FaultOrder;
 use sinew_servo_sim::fleet::{self, Memory, Setup, Wanted};
 use sinew_servo_sim::kind::Kind;
@@ -114,7 +114,7 @@ pub(super) fn run(args: &ServosArgs) -> anyhow::Result<ExitCode> {
 
 impl ServosArgs {
     /// What feeds the servos: as somebody says, else as the rig's file does.
-    fn supply(&self, rig: Option<&Loaded>) -> Option<Supply> {
+    fn supply(&self, rig: Option<&LoadedRig>) -> Option<Supply> {
         let of_rig = || {
             let supply = rig?.description.supply?;
             Some(Supply::limited(supply.voltage_v, supply.current_a))
@@ -122,7 +122,7 @@ impl ServosArgs {
         self.supply.clone().or_else(of_rig)
     }
 
-    fn wanted(&self, rig: Option<&Loaded>) -> anyhow::Result<Vec<Wanted>> {
+    fn wanted(&self, rig: Option<&LoadedRig>) -> anyhow::Result<Vec<Wanted>> {
         let mut wanted = match (rig, &self.kind) {
             (Some(rig), _) => of_rig(rig, self.rig.as_deref().unwrap_or(Path::new("")))?,
             (None, Some(kind)) => self.of_kind(kind)?,
@@ -181,7 +181,7 @@ impl ServosArgs {
     }
 }
 
-fn of_rig(loaded: &Loaded, path: &Path) -> anyhow::Result<Vec<Wanted>> {
+fn of_rig(loaded: &LoadedRig, path: &Path) -> anyhow::Result<Vec<Wanted>> {
     let servos = rig::servos(&loaded.description, &loaded.mechanism)
         .with_context(|| path.display().to_string())?;
     let mut wanted = Vec::new();

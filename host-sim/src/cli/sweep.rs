@@ -7,7 +7,7 @@ use anyhow::ensure;
 use sinew_evaluation::sweep::{self, Journal, Plan, Shard, SweepFile};
 use sinew_evaluation::{EvaluatedMotion as _, count_steps};
 use sinew_host_util::command::{ThreadArgs, note, print, with_progress};
-use sinew_performance::rig::Loaded;
+use sinew_performance::rig::LoadedRig;
 
 use super::clips::{ClipArgs, seconds, tell};
 use super::performance::PerformanceArgs;
@@ -73,7 +73,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     args.clips.in_pool(&args.threads, &PerformanceArgs::default(), |rig| run_on(args, rig))
 }
 
-fn run_on(args: &Args, rig: Option<&Loaded>) -> anyhow::Result<ExitCode> {
+fn run_on(args: &Args, rig: Option<&LoadedRig>) -> anyhow::Result<ExitCode> {
     let file = SweepFile::read(&args.file, rig.map(|rig| &rig.mechanism))?;
     if file.repeated > 0 {
         note(format_args!(

@@ -3,12 +3,12 @@
 use sinew_rig::new::arm;
 use sinew_servo_sim::device::MEMORY_LEN;
 
-use sinew_performance::play::{Memory, Options, Parts, SimulatedRig};
+use sinew_performance::play::{Memory, Options, RigParts, SimulatedRig};
 use sinew_performance::teach::{
     GuideTrajectory, Mode, TeachRecording, TeachResult, TeachSession, TeachSessionError,
     compare_with_guide,
 };
-use sinew_performance::{Baker, Marks, Played};
+use sinew_performance::{Baker, ShowMarks, ShowPlayback};
 use sinew_retarget::feasibility::RigMotion;
 use sinew_show::write::Settings;
 
@@ -23,7 +23,7 @@ fn led(
 ) -> Result<(TeachRecording, GuideTrajectory), TeachSessionError> {
     let rig = arm(6).unwrap();
     let mechanism = rig.mechanism().unwrap();
-    let mut parts = Parts::new(&rig, &mechanism, Options::default()).unwrap();
+    let mut parts = RigParts::new(&rig, &mechanism, Options::default()).unwrap();
     for part in &mut parts.servos {
         part.own.kind.friction_nm *= friction;
         part.own.kind.stribeck_nm *= friction;
@@ -56,8 +56,8 @@ fn what_is_taught_is_within_a_degree_of_the_hand() {
         let measured = RigMotion { dt_s, rows };
         let taught = TeachResult::new(&mechanism, &measured, 6.0, 100.0).unwrap();
         let baker = Baker { mechanism: &mechanism, rig: 0, settings: Settings::default() };
-        let baked = baker.bake(&taught.motion, &Marks::default()).unwrap();
-        let played = Played::new(&baked.written.bytes).unwrap().motion(taught.motion.dt_s);
+        let baked = baker.bake(&taught.motion, &ShowMarks::default()).unwrap();
+        let played = ShowPlayback::new(&baked.written.bytes).unwrap().motion(taught.motion.dt_s);
         let ([mean, most], ..) =
             compare_with_guide(&mechanism, &played, &guide, taught.cut_s[0]).unwrap();
         println!("{mode:?}: {:.3} deg, {:.3} at most", mean / DEG, most / DEG);

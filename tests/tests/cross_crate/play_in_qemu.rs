@@ -8,10 +8,10 @@ use std::rc::Rc;
 use sinew_firmware::supervisor::State;
 use sinew_mocap::files::ClipFile;
 use sinew_performance::play::{
-    Director, Drive, Ended, Memory, Options, Parts, SimulatedRig, Tally, put_servos,
+    Director, Drive, Ended, Memory, Options, RigParts, SimulatedRig, Tally, put_servos,
 };
 use sinew_performance::rig::load;
-use sinew_performance::{Baker, ClipSettings, Marks, PreparedClip, retarget_clip};
+use sinew_performance::{Baker, ClipSettings, PreparedClip, ShowMarks, retarget_clip};
 use sinew_qemu_driver::{Emulator, IMAGE, QemuController};
 use sinew_retarget::feasibility::{FitSettings, Limits, fit};
 use sinew_retarget::mapping::Mapping;
@@ -26,7 +26,7 @@ use sinew_show::write::Settings;
 struct Case {
     rig: Description,
     mechanism: Mechanism,
-    parts: Parts,
+    parts: RigParts,
     show: Vec<u8>,
 }
 
@@ -48,7 +48,7 @@ impl Case {
     ) -> Self {
         let mechanism = rig.mechanism().unwrap();
         let options = Options { drive: Some(drive), ..Options::default() };
-        let parts = Parts::new(&rig, &mechanism, options).unwrap();
+        let parts = RigParts::new(&rig, &mechanism, options).unwrap();
         let mut clip = PreparedClip::read(&ClipFile::new(clip), ClipSettings::default()).unwrap();
         if let Some(seconds) = seconds {
             clip.cut(seconds);
@@ -58,7 +58,7 @@ impl Case {
         let fitted = fit(&mechanism, &limits, &given, FitSettings::default()).unwrap();
         let baker =
             Baker { mechanism: &mechanism, rig: parts.rig_crc(), settings: Settings::default() };
-        let (_, baked, _) = baker.bake_within(&limits, &given, fitted, Marks::of_none).unwrap();
+        let (_, baked, _) = baker.bake_within(&limits, &given, fitted, ShowMarks::of_none).unwrap();
         Self { rig, mechanism, parts, show: baked.written.bytes }
     }
 

@@ -29,8 +29,8 @@ pub use stored::{
 };
 pub use stream::{LiveFrame, POSE_MAX, Stream};
 pub use telemetry::{
-    DOFS_A_FRAME, Dof, Errors, Parts, SERVOS_A_FRAME, Servo, Snapshot, SnapshotPart, Summary,
-    Telemetry, TelemetrySetting,
+    DOFS_A_FRAME, Dof, Errors, SERVOS_A_FRAME, Servo, Snapshot, SnapshotPart, Summary, Telemetry,
+    TelemetryParts, TelemetrySetting,
 };
 
 use serde::{Deserialize, Serialize};

@@ -126,9 +126,9 @@ pub struct Servo {
 
 /// Which parts of a snapshot to send, bit by bit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Parts(pub u8);
+pub struct TelemetryParts(pub u8);
 
-impl Parts {
+impl TelemetryParts {
     /// The rig as a whole.
     pub const SUMMARY: Self = Self(1);
     /// The pose.
@@ -159,7 +159,7 @@ pub struct TelemetrySetting {
     #[serde(with = "finite")]
     pub rate_hz: f32,
     /// Their parts.
-    pub parts: Parts,
+    pub parts: TelemetryParts,
 }
 
 /// All that telemetry says of one tick. The caller keeps it until all its frames are sent.
@@ -179,37 +179,40 @@ pub struct Snapshot<'a> {
 
 impl Snapshot<'_> {
     /// How many frames these parts take.
-    pub fn frames(&self, parts: Parts) -> usize {
-        let count = |part: Parts, frames: usize| if parts.has(part) { frames } else { 0 };
-        count(Parts::SUMMARY, 1)
-            .saturating_add(count(Parts::POSE, self.q.len().div_ceil(POSE_MAX)))
-            .saturating_add(count(Parts::DOFS, self.dofs.len().div_ceil(DOFS_A_FRAME)))
-            .saturating_add(count(Parts::SERVOS, self.servos.len().div_ceil(SERVOS_A_FRAME)))
+    pub fn frames(&self, parts: TelemetryParts) -> usize {
+        let count = |part: TelemetryParts, frames: usize| if parts.has(part) { frames } else { 0 };
+        count(TelemetryParts::SUMMARY, 1)
+            .saturating_add(count(TelemetryParts::POSE, self.q.len().div_ceil(POSE_MAX)))
+            .saturating_add(count(TelemetryParts::DOFS, self.dofs.len().div_ceil(DOFS_A_FRAME)))
+            .saturating_add(count(
+                TelemetryParts::SERVOS,
+                self.servos.len().div_ceil(SERVOS_A_FRAME),
+            ))
     }
 
     /// Frame number `index` of these parts, with the number `seq`; none behind the last. O(numbers of the frame).
-    pub fn frame(&self, parts: Parts, index: usize, seq: u16) -> Option<Telemetry> {
+    pub fn frame(&self, parts: TelemetryParts, index: usize, seq: u16) -> Option<Telemetry> {
         let mut index = index;
         let part = self.part(parts, &mut index)?;
         Some(Telemetry { seq, tick: self.tick, part })
     }
 
     /// Counts `index` down, part after part.
-    fn part(&self, parts: Parts, index: &mut usize) -> Option<SnapshotPart> {
-        if parts.has(Parts::SUMMARY) && take(index, 1).is_some() {
+    fn part(&self, parts: TelemetryParts, index: &mut usize) -> Option<SnapshotPart> {
+        if parts.has(TelemetryParts::SUMMARY) && take(index, 1).is_some() {
             return Some(SnapshotPart::Summary(*self.summary));
         }
-        if parts.has(Parts::POSE)
+        if parts.has(TelemetryParts::POSE)
             && let Some((first, q)) = chunk(self.q, index)
         {
             return Some(SnapshotPart::Pose { first, q });
         }
-        if parts.has(Parts::DOFS)
+        if parts.has(TelemetryParts::DOFS)
             && let Some((first, dofs)) = chunk(self.dofs, index)
         {
             return Some(SnapshotPart::Dofs { first, dofs });
         }
-        if parts.has(Parts::SERVOS)
+        if parts.has(TelemetryParts::SERVOS)
             && let Some((first, servos)) = chunk(self.servos, index)
         {
             return Some(SnapshotPart::Servos { first, servos });

@@ -64,7 +64,7 @@ fn hex(bytes: &[u8]) -> String {
 
 #[test]
 fn examples() {
-    let telemetry = TelemetrySetting { rate_hz: 18.0, parts: Parts::ALL };
+    let telemetry = TelemetrySetting { rate_hz: 18.0, parts: TelemetryParts::ALL };
     let fault = FaultRecord {
         fault: 3,
         state: State::Playing,
@@ -166,9 +166,10 @@ fn rates() {
     let mut table = String::from("| telemetry | 115,200 baud | 1 Mbps |\n|---|---:|---:|\n");
     for count in [6, 20, 40, 64] {
         let size = RigSize { coordinates: count, dofs: count, servos: count };
-        for (what, parts) in
-            [("summary and pose", Parts::SUMMARY.and(Parts::POSE)), ("all", Parts::ALL)]
-        {
+        for (what, parts) in [
+            ("summary and pose", TelemetryParts::SUMMARY.and(TelemetryParts::POSE)),
+            ("all", TelemetryParts::ALL),
+        ] {
             let [slow, fast] = [115_200, 1_000_000].map(|baud| telemetry_hz(baud, size, parts));
             writeln!(table, "| {count} servos, {what} | {slow} | {fast} |").expect("into a string");
         }

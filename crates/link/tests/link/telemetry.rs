@@ -46,7 +46,7 @@ fn all_of_a_snapshot_is_told_once() {
         let servos: Vec<Servo> =
             (0..random.below(200)).map(|_| common::messages::servo(&mut random)).collect();
         let summary = common::messages::summary(&mut random);
-        let parts = Parts(random.below(16) as u8);
+        let parts = TelemetryParts(random.below(16) as u8);
         let snapshot = Snapshot {
             tick: random.bits(),
             summary: &summary,
@@ -80,15 +80,15 @@ fn all_of_a_snapshot_is_told_once() {
             });
         }
         assert_eq!(snapshot.frame(parts, snapshot.frames(parts), 0), None);
-        assert_eq!(told.0 == [summary], parts.has(Parts::SUMMARY));
-        assert_eq!(told.1 == q, parts.has(Parts::POSE) || q.is_empty());
-        assert_eq!(told.2 == dofs, parts.has(Parts::DOFS) || dofs.is_empty());
-        assert_eq!(told.3 == servos, parts.has(Parts::SERVOS) || servos.is_empty());
+        assert_eq!(told.0 == [summary], parts.has(TelemetryParts::SUMMARY));
+        assert_eq!(told.1 == q, parts.has(TelemetryParts::POSE) || q.is_empty());
+        assert_eq!(told.2 == dofs, parts.has(TelemetryParts::DOFS) || dofs.is_empty());
+        assert_eq!(told.3 == servos, parts.has(TelemetryParts::SERVOS) || servos.is_empty());
     }
 }
 
 /// Bytes of a snapshot in which every number takes the most room.
-fn written(size: RigSize, parts: Parts) -> usize {
+fn written(size: RigSize, parts: TelemetryParts) -> usize {
     // No zero byte, so that COBS takes the most.
     let q = vec![1.1; size.coordinates];
     let dofs = vec![DOF; size.dofs];
@@ -105,7 +105,7 @@ fn written(size: RigSize, parts: Parts) -> usize {
 fn the_rate_is_that_of_what_is_written() {
     for count in [0, 1, 6, 20, 42, 43, 64, 65, 100] {
         let size = RigSize { coordinates: count, dofs: count, servos: count };
-        for parts in (0..16).map(Parts) {
+        for parts in (0..16).map(TelemetryParts) {
             let (sum, written) = (snapshot_len(size, parts), written(size, parts));
             // At most, and no more than the byte by which a frame of 254 bytes and fewer is better off.
             assert!(written <= sum && sum <= written + 8, "{size:?} {parts:?}: {written}, {sum}");
@@ -122,8 +122,17 @@ fn the_rate_is_that_of_what_is_written() {
 
 #[test]
 fn parts_are_bits() {
-    let both = Parts::POSE.and(Parts::SERVOS);
-    assert!(both.has(Parts::POSE) && both.has(Parts::SERVOS) && !both.has(Parts::DOFS));
-    let all = [Parts::SUMMARY, Parts::POSE, Parts::DOFS, Parts::SERVOS];
-    assert_eq!(all.into_iter().reduce(Parts::and), Some(Parts::ALL));
+    let both = TelemetryParts::POSE.and(TelemetryParts::SERVOS);
+    assert!(
+        both.has(TelemetryParts::POSE)
+            && both.has(TelemetryParts::SERVOS)
+            && !both.has(TelemetryParts::DOFS)
+    );
+    let all = [
+        TelemetryParts::SUMMARY,
+        TelemetryParts::POSE,
+        TelemetryParts::DOFS,
+        TelemetryParts::SERVOS,
+    ];
+    assert_eq!(all.into_iter().reduce(TelemetryParts::and), Some(TelemetryParts::ALL));
 }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use sinew_board_client::BoardServos;
-use sinew_link::message::{Parts as Told, State};
+use sinew_link::message::{State, TelemetryParts};
 use sinew_servo_tools::registers::{Number, write};
 use sinew_servo_tools::{Client, Exchange as _, Protocol, ServiceError, Settings};
 
@@ -19,7 +19,7 @@ const DARK: [u8; 13] = [0xFF, 0xFF, 0xFD, 0, 2, 6, 0, 3, 0x41, 0, 0, 0xF9, 0x65]
 fn emulated_nucleo_passes_packets_on_to_servos_while_it_is_limp() {
     let rig = Rig::new(3);
     let mut board = with_rig(&rig);
-    board.telemetry(20.0, Told::SUMMARY).unwrap();
+    board.telemetry(20.0, TelemetryParts::SUMMARY).unwrap();
     until(&mut board, State::Limp, 2);
 
     // What `sinew servo --board` takes.

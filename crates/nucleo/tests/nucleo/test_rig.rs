@@ -7,11 +7,11 @@ use std::{env, fs};
 use sinew_board_client::{Board, ClientError, Line as Link, item};
 use sinew_firmware::node::{RIG_SCHEMA, SHOW_SCHEMA};
 use sinew_firmware::supervisor::Fault;
-use sinew_link::message::{Command, Item, Kind, Parts as Told, State};
+use sinew_link::message::{Command, Item, Kind, State, TelemetryParts};
 use sinew_mocap::files::ClipFile;
 use sinew_nucleo::{BoardOnServos, EmulatedBoard, Machine};
-use sinew_performance::play::{Drive, Memory, Options, Parts, put_servos};
-use sinew_performance::{Baker, ClipSettings, Marks, PreparedClip, retarget_clip};
+use sinew_performance::play::{Drive, Memory, Options, RigParts, put_servos};
+use sinew_performance::{Baker, ClipSettings, PreparedClip, ShowMarks, retarget_clip};
 use sinew_retarget::feasibility::{FitSettings, Limits, RigMotion, fit};
 use sinew_rig::import::Options as Import;
 use sinew_rig::new::arm;
@@ -42,7 +42,7 @@ pub(crate) type Emulated = EmulatedBoard<Branch<'static, RigPlant>>;
 pub(crate) struct Rig {
     description: Description,
     mechanism: Mechanism,
-    pub(crate) parts: Parts,
+    pub(crate) parts: RigParts,
     /// The item that a board takes as its rig.
     pub(crate) bytes: Vec<u8>,
     pub(crate) show: Vec<u8>,
@@ -58,7 +58,7 @@ impl Rig {
                 home.iter().map(|home| home + swing).collect()
             };
             let motion = RigMotion { dt_s: 0.1, rows: (0..=20).map(row).collect() };
-            baker.bake(&motion, &Marks::default()).unwrap().written.bytes
+            baker.bake(&motion, &ShowMarks::default()).unwrap().written.bytes
         })
     }
 
@@ -77,7 +77,7 @@ impl Rig {
             let taken = retarget_clip(baker.mechanism, &clip, None, false).unwrap().motion;
             let limits = Limits::of(baker.mechanism, &servos);
             let fitted = fit(baker.mechanism, &limits, &taken, FitSettings::default()).unwrap();
-            let baked = baker.bake_within(&limits, &taken, fitted, Marks::of_none);
+            let baked = baker.bake_within(&limits, &taken, fitted, ShowMarks::of_none);
             baked.unwrap().1.written.bytes
         })
     }
@@ -88,7 +88,7 @@ impl Rig {
         show: impl FnOnce(&Baker<'_>) -> Vec<u8>,
     ) -> Self {
         let mechanism = description.mechanism().unwrap();
-        let parts = Parts::new(&description, &mechanism, options).unwrap();
+        let parts = RigParts::new(&description, &mechanism, options).unwrap();
         let bytes = parts.board_rig().unwrap();
         let (rig, settings) = (parts.rig_crc(), Settings::default());
         let show = show(&Baker { mechanism: &mechanism, rig, settings });
@@ -172,7 +172,7 @@ pub(crate) fn ready(rig: &Rig) -> Board<Emulated> {
 pub(crate) fn load<L: Link>(board: &mut Board<L>, rig: &Rig) {
     let slot = board.slot_of(&rig.show_item()).unwrap().expect("its show is stored");
     board.ask(Command::LoadShow { slot }).unwrap();
-    board.telemetry(20.0, Told::SUMMARY).unwrap();
+    board.telemetry(20.0, TelemetryParts::SUMMARY).unwrap();
 }
 
 /// Runs until it is in a state.

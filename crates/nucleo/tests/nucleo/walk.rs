@@ -7,7 +7,7 @@ use std::time::Duration;
 use sinew_board_client::{Board, Line};
 use sinew_firmware::supervisor;
 use sinew_link::Decoder;
-use sinew_link::message::{Command, Feed, Parts as Told, SnapshotPart, State, ToHost};
+use sinew_link::message::{Command, Feed, SnapshotPart, State, TelemetryParts, ToHost};
 use sinew_nucleo::Burst;
 
 use crate::in_process::{Exchange, InProcess};
@@ -156,7 +156,7 @@ fn emulated_nucleo_walks_with_the_packets_of_the_controller_in_process() {
 fn perform(board: &mut Board<Watched>, rig: &Rig) {
     load(board, rig);
     // As often as there are ticks.
-    board.telemetry(f32::MAX, Told::SUMMARY).unwrap();
+    board.telemetry(f32::MAX, TelemetryParts::SUMMARY).unwrap();
     until(board, State::Limp, 5);
     arm_it(board);
     board.ask(Command::Play(Feed::Show)).unwrap();

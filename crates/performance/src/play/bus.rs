@@ -9,8 +9,8 @@ use sinew_servo_bus::{
 };
 
 use super::error::PartsError;
-use super::parts::Parts;
 use super::peer::{PeerBus, PeerController};
+use super::rig_parts::RigParts;
 
 /// The buses of a rig, for its controller.
 ///
@@ -93,7 +93,7 @@ impl ServoBus for Buses {
     }
 }
 
-impl Parts {
+impl RigParts {
     /// Makes the buses of all lines.
     pub(super) fn all_buses(&self) -> Result<Buses, PartsError> {
         let places = self.servos.iter().map(|part| part.place).collect();

@@ -8,14 +8,14 @@ use sinew_wiring::{LineServo, Protocol};
 use super::SERVOS;
 use super::error::PartsError;
 use super::line::{Line, Spoken};
-use super::parts::Parts;
 use super::pulses;
+use super::rig_parts::RigParts;
 use super::servo_part::{current_a, encoder, mode, no_load_rad_s, single, table as table_of};
 
 /// Readings that tell more than twice the servo's own speed are not believed at once.
 const SPEED_ROOM: f64 = 2.0;
 
-impl Parts {
+impl RigParts {
     /// Makes the bus of each line, with its servos as they are driven.
     pub(super) fn buses(&self) -> Result<Vec<Box<dyn ServoBus>>, PartsError> {
         let each = self.lines.iter().zip(&self.schedules);

@@ -1,7 +1,7 @@
 //! A show on simulated servos, under the controller that boards run.
 //!
 //! ```text
-//! rig ─ put_servos ─> Parts (compact form, buses, rate, settings)
+//! rig ─ put_servos ─> RigParts (compact form, buses, rate, settings)
 //!                       └─> SimulatedRig (controller, buses, one bench), a tick a call ─> Tally, Recorder
 //! stop ─> Director (arm, play, stop) ─────┘       └─ PeerController (a board elsewhere), if there is one
 //! ```
@@ -16,12 +16,12 @@ mod exchange;
 mod line;
 mod line_setup;
 mod options;
-mod parts;
 mod peer;
 mod pulse_ranges;
 mod pulses;
 mod record;
 mod recording;
+mod rig_parts;
 mod schedule;
 mod servo_part;
 mod servos;
@@ -35,10 +35,10 @@ pub use director::{Director, Ended};
 pub use error::{PartsError, SimulatedRigError};
 pub use line::Line;
 pub use options::Options;
-pub use parts::Parts;
 pub use peer::PeerController;
 pub use record::{Recorder, SCHEMA};
 pub use recording::{JointRows, Part, Recording, RecordingError, ServoRows};
+pub use rig_parts::RigParts;
 pub use schedule::RateError;
 pub use servo_part::{Drive, ServoPart};
 pub use servos::{PutError, ServoChoice, put_servos};

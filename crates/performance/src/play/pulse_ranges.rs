@@ -1,10 +1,10 @@
 //! The pulses that servos get within the ranges of their joints.
 
-use super::parts::Parts;
 use super::pulses::pulse_us;
+use super::rig_parts::RigParts;
 use super::servo_part::Drive;
 
-impl Parts {
+impl RigParts {
     /// Returns each servo that takes pulses, and the shortest and longest pulse within its joints' ranges, us.
     pub fn pulses_us(&self) -> Vec<(&str, [f32; 2])> {
         let mut all = Vec::new();

@@ -16,7 +16,7 @@ use parquet::schema::types::Type;
 use sinew_host_util::output::Pending;
 use sinew_servo_sim::load::Plant;
 
-use super::parts::Parts;
+use super::rig_parts::RigParts;
 use super::simulated_rig::SimulatedRig;
 
 /// What a recording names itself.
@@ -72,7 +72,7 @@ impl Recorder {
     /// What the system says.
     pub fn new(
         path: &Path,
-        parts: &Parts,
+        parts: &RigParts,
         rig: &str,
         notes: &[(&str, &str)],
     ) -> Result<Self, ParquetError> {
@@ -225,7 +225,7 @@ impl Recorder {
 }
 
 /// What a servo's columns are called: as it, unless a joint is called so, too.
-fn servo_name(parts: &Parts, servo: &super::ServoPart) -> String {
+fn servo_name(parts: &RigParts, servo: &super::ServoPart) -> String {
     let name = &servo.own.name;
     if parts.names.contains(name) { format!("{name}.servo") } else { name.clone() }
 }

@@ -8,14 +8,14 @@ use sinew_servo_sim::load::Plant;
 use sinew_servo_sim::registers::RegisterTable;
 
 use super::error::SimulatedRigError;
-use super::parts::Parts;
 use super::pulses;
+use super::rig_parts::RigParts;
 use super::servo_part::ServoPart;
 
 /// Registers of one servo.
 pub type Memory = [u8; MEMORY_LEN];
 
-impl Parts {
+impl RigParts {
     /// The lines of a rig with simulated servos, each where the rig's home has it, set up as `sinew servo apply` would.
     /// `memories`: one for each servo; `plant`: what they move, line after line.
     ///
@@ -32,7 +32,7 @@ impl Parts {
 
 /// The lines of a rig, each servo where the rig's home has it, set up as `sinew servo apply` would.
 pub(super) fn lines<'a, P: Plant>(
-    parts: &Parts,
+    parts: &RigParts,
     memories: &'a mut [Memory],
     plant: P,
 ) -> Result<Vec<Line<Branch<'a, P>>>, SimulatedRigError> {
@@ -67,7 +67,7 @@ pub(super) fn lines<'a, P: Plant>(
 
 /// A servo at home, with the registers that the controller compares before it arms.
 fn servo<'a>(
-    parts: &Parts,
+    parts: &RigParts,
     index: usize,
     memory: &'a mut Memory,
 ) -> Result<Servo<'a>, SimulatedRigError> {
@@ -89,7 +89,7 @@ fn servo<'a>(
         Some(RegisterTable::Feetech(table)) => {
             settings::feetech(table.model.family, requirements).for_each(&mut set);
         }
-        // `Parts` has refused kinds with an id that have none.
+        // `RigParts` has refused kinds with an id that have none.
         None => {}
     }
     servo.place(part.own.home_rad);

@@ -19,8 +19,8 @@ use sinew_servo_sim::registers::RegisterTable;
 use super::bus::Buses;
 use super::error::SimulatedRigError;
 use super::exchange::exchange;
-use super::parts::Parts;
 use super::peer::PeerController;
+use super::rig_parts::RigParts;
 use super::servo_part::{Drive, single};
 use super::simulated_lines::{Memory, lines};
 use super::wires::Wires;
@@ -29,7 +29,7 @@ use super::{DOFS, RigController, SERVOS};
 /// A rig on a stand, under its controller.
 pub struct SimulatedRig<'a, P> {
     /// What it is made of.
-    pub parts: &'a Parts,
+    pub parts: &'a RigParts,
     controller: Box<RigController<'a>>,
     buses: Buses,
     lines: Vec<Line<Branch<'a, P>>>,
@@ -49,7 +49,7 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
     /// # Errors
     /// [`SimulatedRigError`].
     pub fn new(
-        parts: &'a Parts,
+        parts: &'a RigParts,
         show: Option<&'a [u8]>,
         memories: &'a mut [Memory],
         plant: P,
@@ -146,7 +146,7 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
     }
 
     /// Commanded and measured position of each dof: of a ball joint the rotation vector. What no servo tells counts
-    /// as measured where it was commanded: see [`Parts::tells_nothing`].
+    /// as measured where it was commanded: see [`RigParts::tells_nothing`].
     pub fn dofs(&self) -> [Vec<f32>; 2] {
         let q = [self.controller.commanded().0, self.controller.measured()];
         q.map(|q| self.positions(q))

@@ -6,7 +6,7 @@ use sinew_host_util::command::table;
 use sinew_servo_sim::load::Plant;
 use sinew_servo_sim::plant::RigPlant;
 
-use super::parts::Parts;
+use super::rig_parts::RigParts;
 use super::servo_part::Drive;
 use super::simulated_rig::SimulatedRig;
 
@@ -48,7 +48,7 @@ pub struct Errors {
 
 impl Tally {
     /// Of a rig.
-    pub fn new(parts: &Parts) -> Self {
+    pub fn new(parts: &RigParts) -> Self {
         let count = parts.names.len();
         let tells_nothing = (0..count).any(|dof| parts.tells_nothing(dof));
         Self { dofs: vec![Sums::default(); count], ticks: 0, tells_nothing }
@@ -88,7 +88,7 @@ impl Tally {
 
     /// Errors of turning joints that are driven so; `None` for all. None if there is no such joint, or nothing was
     /// played.
-    pub fn errors(&self, parts: &Parts, drive: Option<Drive>) -> Option<Errors> {
+    pub fn errors(&self, parts: &RigParts, drive: Option<Drive>) -> Option<Errors> {
         let mut errors = Errors { joints: 0, mean_rad: 0.0, most_rad: 0.0, dof: 0, at_s: 0.0 };
         for (dof, sums) in self.dofs.iter().enumerate() {
             let of = parts.drives[dof];
@@ -135,7 +135,7 @@ impl Tally {
         )
     }
 
-    fn by_drive(&self, parts: &Parts) -> String {
+    fn by_drive(&self, parts: &RigParts) -> String {
         let header = ["drive", "method", "joints", "mean", "largest", "of joint", "at s"];
         let mut table = table(header, 2..header.len());
         let all = [Some(Drive::Current), Some(Drive::Position), Some(Drive::Pulses), None];
@@ -159,7 +159,7 @@ impl Tally {
         lines(&table)
     }
 
-    fn by_joint(&self, parts: &Parts) -> String {
+    fn by_joint(&self, parts: &RigParts) -> String {
         let header = [
             "joint",
             "drive",

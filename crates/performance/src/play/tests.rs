@@ -12,7 +12,7 @@ use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_show::write::Settings;
 
 use super::*;
-use crate::{Baker, Marks};
+use crate::{Baker, ShowMarks};
 
 /// What a performance of an arm at rest on two buses ends with, after `wrong` has set one register of a servo.
 fn ended(wrong: Option<(usize, u16, i32)>) -> Ended {
@@ -22,11 +22,11 @@ fn ended(wrong: Option<(usize, u16, i32)>) -> Ended {
     "STS3215-7.4V".clone_into(&mut rig.servos[1].model);
     "tip".clone_into(&mut rig.servos[1].bus);
     let mechanism = rig.mechanism().unwrap();
-    let parts = Parts::new(&rig, &mechanism, Options::default()).unwrap();
+    let parts = RigParts::new(&rig, &mechanism, Options::default()).unwrap();
     let motion = RigMotion { dt_s: 0.1, rows: vec![mechanism.home(); 11] };
     let (rig_crc, settings) = (parts.rig_crc(), Settings::default());
     let baker = Baker { mechanism: &mechanism, rig: rig_crc, settings };
-    let show = baker.bake(&motion, &Marks::default());
+    let show = baker.bake(&motion, &ShowMarks::default());
     let show = show.unwrap().written.bytes;
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
     let plant = parts.plant(&rig, &mechanism).unwrap();
@@ -86,7 +86,7 @@ fn a_face_on_a_pca9685_performs_and_gets_no_pulse_when_it_is_limp() {
     for is_stopped in [false, true] {
         let rig = face();
         let mechanism = rig.mechanism().unwrap();
-        let parts = Parts::new(&rig, &mechanism, Options::default()).unwrap();
+        let parts = RigParts::new(&rig, &mechanism, Options::default()).unwrap();
         let jaw = parts.names.iter().position(|name| name == "jaw").unwrap();
         let eye = parts.names.iter().position(|name| name == "eye_turn_left").unwrap();
         assert!(parts.tells_nothing(jaw) && parts.servos.len() == 8);
@@ -100,7 +100,7 @@ fn a_face_on_a_pca9685_performs_and_gets_no_pulse_when_it_is_limp() {
         let motion = RigMotion { dt_s: 0.1, rows: rows.collect() };
         let settings = Settings::default();
         let baker = Baker { mechanism: &mechanism, rig: parts.rig_crc(), settings };
-        let show = baker.bake(&motion, &Marks::default()).unwrap().written.bytes;
+        let show = baker.bake(&motion, &ShowMarks::default()).unwrap().written.bytes;
         let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
         let plant = parts.plant(&rig, &mechanism).unwrap();
         let mut sim = SimulatedRig::new(&parts, Some(&show), &mut memories, plant).unwrap();
@@ -142,7 +142,10 @@ fn a_servo_is_refused_where_its_kind_cannot_be() {
         let mut rig = face();
         change(&mut rig);
         let mechanism = rig.mechanism().unwrap();
-        Parts::new(&rig, &mechanism, Options::default()).err().expect("it is refused").to_string()
+        RigParts::new(&rig, &mechanism, Options::default())
+            .err()
+            .expect("it is refused")
+            .to_string()
     };
     let with_id = refused(|rig| rig.servos[1].address = Address::Id(3));
     assert!(with_id.contains("`jaw` is a MG90S") && with_id.contains("found id 3"), "{with_id}");
@@ -171,7 +174,7 @@ fn pulses_are_told_as_far_as_joints_go() {
     let mut rig = face();
     let jaw = rig.joints.iter_mut().find(|joint| joint.name == "jaw").unwrap();
     jaw.range_rad = vec![[-FRAC_PI_8, 0.0]];
-    let parts = Parts::new(&rig, &rig.mechanism().unwrap(), Options::default()).unwrap();
+    let parts = RigParts::new(&rig, &rig.mechanism().unwrap(), Options::default()).unwrap();
     let all = parts.pulses_us();
     assert_eq!(all.len(), 8);
     let (_, pulses_us) = all.iter().find(|(name, _)| *name == "jaw").unwrap();

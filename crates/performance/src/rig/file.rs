@@ -14,7 +14,7 @@ use super::size;
 
 /// A rig, as a person wrote it and by index.
 #[derive(Debug, Clone)]
-pub struct Loaded {
+pub struct LoadedRig {
     /// As a person wrote it.
     pub description: Description,
     /// By index.
@@ -25,7 +25,7 @@ pub struct Loaded {
     pub notes: Vec<String>,
 }
 
-impl Loaded {
+impl LoadedRig {
     /// Holds the rig's base in another way.
     ///
     /// # Errors
@@ -55,7 +55,7 @@ pub struct RigFileError {
 ///
 /// # Errors
 /// [`RigFileError`] with file, line and what would be right.
-pub fn load(path: &Path, options: &Options) -> Result<Loaded, RigFileError> {
+pub fn load(path: &Path, options: &Options) -> Result<LoadedRig, RigFileError> {
     let refused = |reason: String| RigFileError { path: path.to_owned(), reason };
     let expected = "a rig (rig.toml, URDF or MJCF)";
     let kinds = [Kind::Rig, Kind::Toml, Kind::Urdf, Kind::Mjcf, Kind::Xml];
@@ -70,10 +70,10 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, RigFileError> {
     }
     let description = toml_file::read(&text).map_err(|error| refused(error.to_string()))?;
     let mechanism = description.mechanism().map_err(|error| refused(error.to_string()))?;
-    Ok(Loaded { description, mechanism, world: None, notes: Vec::new() })
+    Ok(LoadedRig { description, mechanism, world: None, notes: Vec::new() })
 }
 
-fn imported(text: &str, options: &Options) -> Result<Loaded, String> {
+fn imported(text: &str, options: &Options) -> Result<LoadedRig, String> {
     let parse = if root_element(text) == "mujoco" { import::mjcf } else { import::urdf };
     let read = |options: &Options| -> Result<(Imported, Mechanism), String> {
         let imported = parse(text, options).map_err(|error| error.to_string())?;
@@ -94,7 +94,7 @@ fn imported(text: &str, options: &Options) -> Result<Loaded, String> {
         .chain(size::lies(&mechanism, imported.world.up))
         .collect();
     let Imported { description, world, .. } = imported;
-    Ok(Loaded { description, mechanism, world: Some(world), notes })
+    Ok(LoadedRig { description, mechanism, world: Some(world), notes })
 }
 
 /// Name of the first element of XML text; empty if there is none.

@@ -6,6 +6,6 @@ mod review;
 mod size;
 
 pub use dynamics::{DynamicsError, dof_names, inverse_dynamics};
-pub use file::{Loaded, RigFileError, has_feet, load};
+pub use file::{LoadedRig, RigFileError, has_feet, load};
 pub use review::review;
 pub use size::at_home;

@@ -4,13 +4,13 @@ use anyhow::Context as _;
 use sinew_retarget::rig::{RigMatch, mirror_faults};
 use sinew_rig::review::{Finding, Loop, Review, Servos, Severity};
 
-use super::Loaded;
+use super::LoadedRig;
 
 /// Reviews a rig, and compares its left side with its right one, if it has limbs.
 ///
 /// # Errors
 /// If a servo or a drive cannot be, or the rig does not fit `sinew-core`.
-pub fn review(rig: &Loaded, control: Loop) -> anyhow::Result<Review> {
+pub fn review(rig: &LoadedRig, control: Loop) -> anyhow::Result<Review> {
     let name = || rig.description.name.clone();
     let servos = Servos::of(&rig.description, &rig.mechanism).with_context(name)?;
     let mut review = Review::of(&rig.mechanism, &servos, control).with_context(name)?;

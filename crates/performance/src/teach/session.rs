@@ -6,7 +6,7 @@ use sinew_servo_sim::plant::RigPlant;
 use thiserror::Error;
 
 use super::{GuideTrajectory, ScriptedHand};
-use crate::play::{Drive, Parts, SimulatedRig};
+use crate::play::{Drive, RigParts, SimulatedRig};
 
 /// After so long a rig that is not ready will not be, s.
 const READY_S: f64 = 10.0;
@@ -69,7 +69,7 @@ pub struct TeachSession<'s, 'a> {
 ///
 /// # Errors
 /// [`TeachSessionError`] names the first one that cannot.
-pub fn check_servos(parts: &Parts, mode: Mode) -> Result<(), TeachSessionError> {
+pub fn check_servos(parts: &RigParts, mode: Mode) -> Result<(), TeachSessionError> {
     let name = |refused: fn(Drive) -> bool| {
         let found = parts.servos.iter().find(|part| refused(part.drive));
         found.map(|part| part.own.name.clone())

@@ -8,7 +8,7 @@ use heapless::Vec;
 use super::{BoardDof, BoardDrive, BoardRig, BoardRigError, BoardServo, LinkedLimit};
 use crate::actuation::{Actuation, JointFriction};
 use crate::description::{self, Description, DescriptionError};
-use crate::drive::MOST;
+use crate::drive::DRIVE_CAPACITY;
 use crate::mechanism::{self, Link, Mechanism};
 use crate::number::single;
 use crate::servo::{Servo, ServoSettings};
@@ -151,8 +151,8 @@ fn drives(
             BoardDrive {
                 drive: of.drive.clone(),
                 // What is beyond has no place in any drive, and is refused for its count.
-                dofs: dofs.take(MOST).collect(),
-                servos: of.servos.iter().map(index).take(MOST).collect(),
+                dofs: dofs.take(DRIVE_CAPACITY).collect(),
+                servos: of.servos.iter().map(index).take(DRIVE_CAPACITY).collect(),
             }
         })
         .collect()

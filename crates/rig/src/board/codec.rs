@@ -8,7 +8,10 @@ use sinew_core::{Body, Inertia, JointKind, RotationalInertia, Transform, Tree};
 
 use super::bytes::{Reader, Writer};
 use super::{Address, BoardDof, BoardDrive, BoardRig, BoardRigError, BoardServo, LinkedLimit};
-use crate::drive::{Curve, Drive, DriveError, ENTRIES, FourBar, Links, MOST, Matrix, POINTS};
+use crate::drive::{
+    CURVE_CAPACITY, Curve, DRIVE_CAPACITY, Drive, DriveError, FourBar, Links, MATRIX_CAPACITY,
+    Matrix,
+};
 use crate::servo::{Servo, ServoSettings, SignalLoss};
 
 const MAGIC: [u8; 4] = *b"SNWR";
@@ -255,10 +258,10 @@ fn write_drive(to: &mut Writer<'_>, drive: &BoardDrive) {
 }
 
 fn read_drive(from: &mut Reader<'_>, index: usize) -> Result<BoardDrive, BoardRigError> {
-    let mut indices = |what| -> Result<Vec<u16, MOST>, BoardRigError> {
+    let mut indices = |what| -> Result<Vec<u16, DRIVE_CAPACITY>, BoardRigError> {
         let found = usize::from(from.u16());
-        if found > MOST {
-            let error = DriveError::TooMany { what, found, most: MOST };
+        if found > DRIVE_CAPACITY {
+            let error = DriveError::TooMany { what, found, most: DRIVE_CAPACITY };
             return Err(BoardRigError::Drive { index, error });
         }
         items(found, |_| Ok(from.u16()))
@@ -268,13 +271,17 @@ fn read_drive(from: &mut Reader<'_>, index: usize) -> Result<BoardDrive, BoardRi
     let drive = match from.u16() {
         kind @ (0 | 1) => {
             let found = dofs.len().saturating_mul(servos.len());
-            if found > ENTRIES {
-                return Err(refused(DriveError::TooMany { what: "numbers", found, most: ENTRIES }));
+            if found > MATRIX_CAPACITY {
+                return Err(refused(DriveError::TooMany {
+                    what: "numbers",
+                    found,
+                    most: MATRIX_CAPACITY,
+                }));
             }
-            let numbers: Vec<f32, ENTRIES> = items(found, |_| Ok(from.f32()))?;
-            let offset: Vec<f32, MOST> = items(dofs.len(), |_| Ok(from.f32()))?;
+            let numbers: Vec<f32, MATRIX_CAPACITY> = items(found, |_| Ok(from.f32()))?;
+            let offset: Vec<f32, DRIVE_CAPACITY> = items(dofs.len(), |_| Ok(from.f32()))?;
             // At least one a row, or the chunks have no size; `new` refuses a matrix without rows.
-            let mut rows = Vec::<&[f32], MOST>::new();
+            let mut rows = Vec::<&[f32], DRIVE_CAPACITY>::new();
             for row in numbers.chunks_exact(servos.len().max(1)) {
                 // There is room: dofs were counted.
                 let _ = rows.push(row);
@@ -289,10 +296,14 @@ fn read_drive(from: &mut Reader<'_>, index: usize) -> Result<BoardDrive, BoardRi
         }
         2 => {
             let found = usize::from(from.u16());
-            if found > POINTS {
-                return Err(refused(DriveError::TooMany { what: "points", found, most: POINTS }));
+            if found > CURVE_CAPACITY {
+                return Err(refused(DriveError::TooMany {
+                    what: "points",
+                    found,
+                    most: CURVE_CAPACITY,
+                }));
             }
-            let points: Vec<[f32; 2], POINTS> = items(found, |_| Ok(from.numbers()))?;
+            let points: Vec<[f32; 2], CURVE_CAPACITY> = items(found, |_| Ok(from.numbers()))?;
             Curve::new(&points).map_err(refused)?.into()
         }
         3 => {

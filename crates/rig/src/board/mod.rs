@@ -41,7 +41,7 @@ mod error;
 use heapless::Vec;
 use sinew_core::Tree;
 
-use crate::drive::{Drive, MOST};
+use crate::drive::{DRIVE_CAPACITY, Drive};
 use crate::servo::{Address, Servo};
 
 #[cfg(feature = "std")]
@@ -97,9 +97,9 @@ pub struct BoardDrive {
     /// The drive.
     pub drive: Drive,
     /// Indices of its dofs, in its order.
-    pub dofs: Vec<u16, MOST>,
+    pub dofs: Vec<u16, DRIVE_CAPACITY>,
     /// Indices of its servos, in its order.
-    pub servos: Vec<u16, MOST>,
+    pub servos: Vec<u16, DRIVE_CAPACITY>,
 }
 
 /// A servo, and where it hangs.

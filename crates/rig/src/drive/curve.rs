@@ -8,7 +8,7 @@ use super::pose::{DrivePose, Tangent};
 use crate::limited::LimitReason;
 
 /// The most points of a curve.
-pub const POINTS: usize = 16;
+pub const CURVE_CAPACITY: usize = 16;
 
 /// Least distance of two points, rad of the servo: less than a step of an encoder of 4096.
 const LEAST_GAP: f32 = 1e-3;
@@ -27,7 +27,7 @@ const STEPS: usize = 12;
 /// the slope is that of a parabola through three points, between 1/4 and 3 times that of the last two.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    knots: Vec<Knot, POINTS>,
+    knots: Vec<Knot, CURVE_CAPACITY>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,7 +41,7 @@ impl Curve {
     /// A curve through points `[s, q]`, `s` in rad and rising, `q` in rad or m and all rising or all falling.
     ///
     /// # Errors
-    /// [`DriveError`] if there are fewer than 2 points or more than [`POINTS`], a number is none, servo positions do
+    /// [`DriveError`] if there are fewer than 2 points or more than [`CURVE_CAPACITY`], a number is none, servo positions do
     /// not rise by at least 0.001 rad, joint positions turn back, or the curve is flat somewhere: below 1/100 of its
     /// mean slope.
     pub fn new(points: &[[f32; 2]]) -> Result<Self, DriveError> {
@@ -49,14 +49,14 @@ impl Curve {
         let [first, .., last] = points else {
             return Err(DriveError::TooFew { what, found, least: 2 });
         };
-        if found > POINTS {
-            return Err(DriveError::TooMany { what, found, most: POINTS });
+        if found > CURVE_CAPACITY {
+            return Err(DriveError::TooMany { what, found, most: CURVE_CAPACITY });
         }
         for (index, [servo, joint]) in points.iter().enumerate() {
             bounded("servo position of point", index, *servo, [-LARGEST, LARGEST])?;
             bounded("joint position of point", index, *joint, [-LARGEST, LARGEST])?;
         }
-        let mut secants = Vec::<Secant, POINTS>::new();
+        let mut secants = Vec::<Secant, CURVE_CAPACITY>::new();
         for (before, pair) in points.windows(2).enumerate() {
             let [[s0, q0], [s1, q1]] = pair else { continue };
             let point = before.saturating_add(1);

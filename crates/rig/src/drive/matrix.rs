@@ -4,7 +4,9 @@ use heapless::Vec;
 use sinew_core::math;
 
 use super::error::DriveError;
-use super::numbers::{ENTRIES, LARGEST, LEAST_MOTION, MOST, Numbers, bounded, collect, dot};
+use super::numbers::{
+    DRIVE_CAPACITY, LARGEST, LEAST_MOTION, MATRIX_CAPACITY, Numbers, bounded, collect, dot,
+};
 use super::pseudo_inverse::pseudo_inverse;
 
 /// The largest condition number that is accepted. What is above moves the joint a hundred times more in one direction
@@ -23,9 +25,9 @@ const CONDITION_MOST: f32 = 100.0;
 pub struct Matrix {
     servos: usize,
     /// Row after row.
-    rows: Vec<f32, ENTRIES>,
+    rows: Vec<f32, MATRIX_CAPACITY>,
     /// Rows of the inverse: a row a servo.
-    inverse: Vec<f32, ENTRIES>,
+    inverse: Vec<f32, MATRIX_CAPACITY>,
     pub(super) offset: Numbers,
     ball: bool,
 }
@@ -42,13 +44,13 @@ impl Matrix {
             if found == 0 {
                 return Err(DriveError::TooFew { what, found, least: 1 });
             }
-            if found > MOST {
-                return Err(DriveError::TooMany { what, found, most: MOST });
+            if found > DRIVE_CAPACITY {
+                return Err(DriveError::TooMany { what, found, most: DRIVE_CAPACITY });
             }
         }
         let found = dofs.saturating_mul(servos);
-        if found > ENTRIES {
-            return Err(DriveError::TooMany { what: "numbers", found, most: ENTRIES });
+        if found > MATRIX_CAPACITY {
+            return Err(DriveError::TooMany { what: "numbers", found, most: MATRIX_CAPACITY });
         }
         for (index, row) in rows.iter().enumerate() {
             length("row", index, row.as_ref().len(), servos)?;
@@ -127,7 +129,7 @@ impl Matrix {
 
     fn invert(&mut self) -> Result<(), DriveError> {
         let lengths = self.row_lengths();
-        let scaled: Vec<f32, ENTRIES> = collect(
+        let scaled: Vec<f32, MATRIX_CAPACITY> = collect(
             self.rows().zip(&lengths).flat_map(|(row, length)| row.iter().map(move |x| x / length)),
         );
         let (inverse, condition) = pseudo_inverse(&scaled, self.dofs(), self.servos);

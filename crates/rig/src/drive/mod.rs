@@ -46,12 +46,12 @@ mod pose;
 mod pseudo_inverse;
 mod rotation_vector;
 
-pub use curve::{Curve, POINTS};
+pub use curve::{CURVE_CAPACITY, Curve};
 pub use error::{DriveError, DriveInputError};
 pub use four_bar::{FourBar, Links};
 pub use friction::{FULL_SPEED, Friction};
 pub use matrix::Matrix;
-pub use numbers::{ENTRIES, MOST, Numbers};
+pub use numbers::{DRIVE_CAPACITY, MATRIX_CAPACITY, Numbers};
 pub use pose::DrivePose;
 
 use numbers::check;

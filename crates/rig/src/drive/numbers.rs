@@ -5,10 +5,10 @@ use heapless::Vec;
 use super::error::{DriveError, DriveInputError};
 
 /// The most dofs of a drive, and the most servos.
-pub const MOST: usize = 6;
+pub const DRIVE_CAPACITY: usize = 6;
 
 /// One number for each dof, or for each servo, of a drive.
-pub type Numbers = Vec<f32, MOST>;
+pub type Numbers = Vec<f32, DRIVE_CAPACITY>;
 
 /// The largest number that a drive takes, as in `sinew-core`'s coordinates.
 pub(super) const LARGEST: f32 = 1e6;
@@ -65,4 +65,4 @@ pub(super) fn dot(a: &[f32], b: &[f32]) -> f32 {
 }
 
 /// The most numbers of a matrix: a drive may be 4 x 4, or 1 x 6, but not 6 x 6.
-pub const ENTRIES: usize = 16;
+pub const MATRIX_CAPACITY: usize = 16;

@@ -2,7 +2,7 @@
 
 use super::error::DriveInputError;
 use super::matrix::Matrix;
-use super::numbers::{MOST, Numbers, check, collect};
+use super::numbers::{DRIVE_CAPACITY, Numbers, check, collect};
 use super::rotation_vector::RightJacobian;
 use crate::limited::LimitReason;
 
@@ -113,7 +113,7 @@ impl DrivePose<'_> {
     pub fn reflected_to_joints(&self, per_servo: &[f32]) -> Result<Numbers, DriveInputError> {
         check("rotor inertias", self.servos.len(), per_servo)?;
         // Motion of each servo for a unit motion of each dof, and how far each dof goes with its servos.
-        let mut motions = heapless::Vec::<Numbers, MOST>::new();
+        let mut motions = heapless::Vec::<Numbers, DRIVE_CAPACITY>::new();
         for dof in 0..self.joints.len() {
             // There is room: dofs are counted.
             let _ = motions.push(self.servo_velocities(&self.unit(dof))?);

@@ -3,7 +3,7 @@
 use heapless::Vec;
 use sinew_core::math;
 
-use super::numbers::{ENTRIES, MOST, Numbers, collect, dot};
+use super::numbers::{DRIVE_CAPACITY, MATRIX_CAPACITY, Numbers, collect, dot};
 
 /// Sweeps over all pairs of columns. Convergence is quadratic: matrices of up to six columns take five or so.
 const SWEEPS: usize = 12;
@@ -29,10 +29,10 @@ pub(super) fn pseudo_inverse(
     numbers: &[f32],
     rows: usize,
     columns: usize,
-) -> (Vec<f32, ENTRIES>, f32) {
+) -> (Vec<f32, MATRIX_CAPACITY>, f32) {
     // Of a matrix and its transpose, the one that is not wider than high.
     let wide = columns > rows;
-    let mut turned = Vec::<Column, MOST>::new();
+    let mut turned = Vec::<Column, DRIVE_CAPACITY>::new();
     let count = rows.min(columns);
     for index in 0..count {
         let image = if wide {
@@ -41,7 +41,7 @@ pub(super) fn pseudo_inverse(
             collect(numbers.iter().skip(index).step_by(columns.max(1)).copied())
         };
         let of = collect((0..count).map(|other| if other == index { 1.0 } else { 0.0 }));
-        // There is room: both counts are at most `MOST`.
+        // There is room: both counts are at most `DRIVE_CAPACITY`.
         let _ = turned.push(Column { image, of });
     }
     for _ in 0..SWEEPS {

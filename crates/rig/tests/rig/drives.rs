@@ -4,7 +4,9 @@ use std::f64::consts::TAU;
 
 use proptest::prelude::*;
 use sinew_core::{glam::Vec3, math};
-use sinew_rig::drive::{Curve, Drive, DriveError, DriveInputError, FourBar, Links, Matrix, POINTS};
+use sinew_rig::drive::{
+    CURVE_CAPACITY, Curve, Drive, DriveError, DriveInputError, FourBar, Links, Matrix,
+};
 use sinew_rig::limited::LimitReason;
 
 /// What positions may be off after there and back, as a share of the largest: the condition number, 100 at most, times
@@ -114,7 +116,7 @@ proptest! {
 
     #[test]
     fn a_curve_is_there_and_back_monotone_and_smooth(
-        steps in prop::collection::vec((0.05_f32..0.4, 0.05_f32..0.4), 1..POINTS),
+        steps in prop::collection::vec((0.05_f32..0.4, 0.05_f32..0.4), 1..CURVE_CAPACITY),
         start in (-2.0_f32..2.0, -2.0_f32..2.0), falling: bool, effort in -5.0_f32..5.0,
     ) {
         let sign = if falling { -1.0 } else { 1.0 };
@@ -417,8 +419,11 @@ fn drives_end_at_their_capacity() {
     #[expect(clippy::cast_precision_loss, reason = "small")]
     let line =
         |count: usize| -> Vec<[f32; 2]> { (0..count).map(|i| [i as f32, i as f32]).collect() };
-    assert!(Curve::new(&line(POINTS)).is_ok());
-    assert!(matches!(Curve::new(&line(POINTS + 1)), Err(DriveError::TooMany { found: 17, .. })));
+    assert!(Curve::new(&line(CURVE_CAPACITY)).is_ok());
+    assert!(matches!(
+        Curve::new(&line(CURVE_CAPACITY + 1)),
+        Err(DriveError::TooMany { found: 17, .. })
+    ));
 }
 
 #[test]

@@ -3,7 +3,8 @@
 use core::hint::black_box;
 
 use sinew_link::message::{
-    Hello, Operator, Parts, Pass, Snapshot, SnapshotPart, Stream, Telemetry, ToController, ToHost,
+    Hello, Operator, Pass, Snapshot, SnapshotPart, Stream, Telemetry, TelemetryParts, ToController,
+    ToHost,
 };
 use sinew_link::{
     Coordinate, Decoder, LiveBuffer, LiveSettings, Message, Sender, Session, Window, encode, rate,
@@ -93,8 +94,8 @@ pub(crate) fn live() {
 
 #[inline(never)]
 pub(crate) fn telemetry() {
-    let parts = black_box(Parts::SUMMARY).and(black_box(Parts::POSE));
-    black_box(parts.has(black_box(Parts::ALL)));
+    let parts = black_box(TelemetryParts::SUMMARY).and(black_box(TelemetryParts::POSE));
+    black_box(parts.has(black_box(TelemetryParts::ALL)));
     if let Some(ToHost::Telemetry(Telemetry { part: SnapshotPart::Summary(summary), .. })) =
         message()
     {

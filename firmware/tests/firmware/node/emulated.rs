@@ -8,7 +8,7 @@ use std::{env, panic, thread};
 
 use sinew_firmware::controller::Wire;
 use sinew_firmware::supervisor::{Fault, FaultSet, State};
-use sinew_link::message::{Command, Feed, Kind as ItemKind, Parts, TelemetrySetting};
+use sinew_link::message::{Command, Feed, Kind as ItemKind, TelemetryParts, TelemetrySetting};
 use sinew_qemu_node::built_in::BuiltIn;
 use sinew_qemu_node::limits::{FLASH_LEN, LINE_AT_ONCE};
 use sinew_qemu_node::message::{Bytes, End, LoopMessage, Packets, ToHost, ToNode};
@@ -214,7 +214,8 @@ fn performance(mut world: World) -> Run {
     let show = show(kind, 4, false);
     world.upload(&item(ItemKind::Show, &show, crc), &show);
     world.ask(Command::LoadShow { slot: 0 });
-    world.ask(Command::SetTelemetry(TelemetrySetting { rate_hz: 20.0, parts: Parts::ALL }));
+    world
+        .ask(Command::SetTelemetry(TelemetrySetting { rate_hz: 20.0, parts: TelemetryParts::ALL }));
     world.until(State::Limp, 2.0);
     for is_stopped in [false, true] {
         world.arm();

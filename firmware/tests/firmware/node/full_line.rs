@@ -1,7 +1,7 @@
 //! A host that talks but does not read, and one that asks for telemetry once in days.
 
 use sinew_firmware::supervisor::State;
-use sinew_link::message::{Command, Outcome, Parts, TelemetrySetting};
+use sinew_link::message::{Command, Outcome, TelemetryParts, TelemetrySetting};
 
 use super::line::Trouble;
 use super::stored::show;
@@ -11,7 +11,7 @@ use super::world::World;
 const KIND: Kind = Kind::Current;
 
 fn telemetry(rate_hz: f32) -> Command {
-    Command::SetTelemetry(TelemetrySetting { rate_hz, parts: Parts::ALL })
+    Command::SetTelemetry(TelemetrySetting { rate_hz, parts: TelemetryParts::ALL })
 }
 
 #[test]

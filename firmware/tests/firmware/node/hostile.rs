@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{
     Block, Command, Feed, Hello, Item, Kind as ItemKind, LiveFrame, Location, Numbered, Operator,
-    Parts, Pass, Stream, TelemetrySetting, ToController, Value, Version,
+    Pass, Stream, TelemetryParts, TelemetrySetting, ToController, Value, Version,
 };
 
 use super::line::{Trouble, random};
@@ -105,7 +105,7 @@ impl Hostile {
             15 if self.below(50) == 0 => Command::DeleteShow { slot },
             16 => Command::SetTelemetry(TelemetrySetting {
                 rate_hz: self.number(),
-                parts: Parts(self.below(256) as u8),
+                parts: TelemetryParts(self.below(256) as u8),
             }),
             17 => Command::ReadSetting { key },
             18 if self.below(50) == 0 => {

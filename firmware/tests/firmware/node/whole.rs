@@ -2,7 +2,7 @@
 
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{
-    self, Applied, Command, Feed, Kind as ItemKind, Location, Outcome, Parts, Refusal,
+    self, Applied, Command, Feed, Kind as ItemKind, Location, Outcome, Refusal, TelemetryParts,
     TelemetrySetting, Value,
 };
 
@@ -58,13 +58,13 @@ fn a_blank_board_gets_a_rig_settings_and_a_show_and_plays_it() {
     assert_eq!(other, Outcome::Refused(Refusal::Unknown));
     assert_eq!(world.ask(Command::LoadShow { slot: 0 }), Outcome::Applied(Applied::Done));
 
-    let telemetry = TelemetrySetting { rate_hz: 1e6, parts: Parts::ALL };
+    let telemetry = TelemetrySetting { rate_hz: 1e6, parts: TelemetryParts::ALL };
     let set = world.ask(Command::SetTelemetry(telemetry));
     assert!(
         matches!(set, Outcome::Limited(Applied::Telemetry(_), message::Limit::Link)),
         "{set:?}"
     );
-    let telemetry = TelemetrySetting { rate_hz: 20.0, parts: Parts::ALL };
+    let telemetry = TelemetrySetting { rate_hz: 20.0, parts: TelemetryParts::ALL };
     world.ask(Command::SetTelemetry(telemetry));
     world.until(State::Limp, 2.0);
     assert_eq!(world.servos_on(), 0);

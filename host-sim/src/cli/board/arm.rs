@@ -5,7 +5,7 @@ use std::time::Duration;
 use anyhow::{Context as _, bail, ensure};
 use sinew_board_client::{Board, ClientError, Line};
 use sinew_link::message::{Command, Refusal};
-use sinew_performance::play::Parts;
+use sinew_performance::play::RigParts;
 
 /// For so long a rig may not be ready to be armed.
 pub(in crate::cli) const READY: Duration = Duration::from_secs(10);
@@ -13,7 +13,7 @@ pub(in crate::cli) const READY: Duration = Duration::from_secs(10);
 const AGAIN: Duration = Duration::from_millis(100);
 
 /// Checks that the board holds the rig of the file.
-pub(in crate::cli) fn check_rig<L: Line>(board: &Board<L>, parts: &Parts) -> anyhow::Result<()> {
+pub(in crate::cli) fn check_rig<L: Line>(board: &Board<L>, parts: &RigParts) -> anyhow::Result<()> {
     const HELP: &str = "`sinew board upload rig FILE --port PORT` brings it";
     let bytes = parts.compact_rig().map_err(anyhow::Error::msg)?;
     let own = bytes.last_chunk().map(|crc| u32::from_le_bytes(*crc)).context("a rig has a CRC")?;

@@ -114,14 +114,16 @@ fn is_limp(port: &BoardPort) -> anyhow::Result<()> {
             _ => return Err(error),
         },
     };
-    board.telemetry(10.0, sinew_link::message::Parts::SUMMARY).or_else(|error| match error {
-        // Without a rig nothing can be armed.
-        ClientError::Refused(_) => Ok(sinew_link::message::TelemetrySetting {
-            rate_hz: 0.0,
-            parts: sinew_link::message::Parts(0),
-        }),
-        error => Err(error),
-    })?;
+    board.telemetry(10.0, sinew_link::message::TelemetryParts::SUMMARY).or_else(
+        |error| match error {
+            // Without a rig nothing can be armed.
+            ClientError::Refused(_) => Ok(sinew_link::message::TelemetrySetting {
+                rate_hz: 0.0,
+                parts: sinew_link::message::TelemetryParts(0),
+            }),
+            error => Err(error),
+        },
+    )?;
     let state = board.fresh_state(std::time::Duration::from_secs(1));
     match state {
         Ok(State::Off | State::Limp | State::Faulted) | Err(ClientError::Impatient(_)) => Ok(()),

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use anyhow::ensure;
 use sinew_host_util::command::{note, print};
-use sinew_link::message::{Parts, Summary};
+use sinew_link::message::{Summary, TelemetryParts};
 
 use super::{BoardPort, cycles, named};
 use crate::cli::stop::Stop;
@@ -38,7 +38,7 @@ pub(super) fn run(args: &MonitorArgs) -> anyhow::Result<ExitCode> {
         about.rig != 0,
         "the board has no rig, and so nothing to tell: `sinew board upload rig` brings one"
     );
-    board.telemetry(10.0, Parts::SUMMARY.and(Parts::SERVOS))?;
+    board.telemetry(10.0, TelemetryParts::SUMMARY.and(TelemetryParts::SERVOS))?;
     // What was counted before belongs to other work.
     let counts = board.needs(1).is_ok() && cycles::read(&mut board)?.is_some();
     let (mut due, mut state, mut lines, mut faults) = (board.now(), None, 0, 0);

@@ -11,7 +11,7 @@ use clap::Args;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use sinew_firmware::supervisor::State;
 use sinew_host_util::command::print;
-use sinew_performance::play::{Chip, Memory, Parts, SimulatedBoard, put_servos};
+use sinew_performance::play::{Chip, Memory, RigParts, SimulatedBoard, put_servos};
 use sinew_performance::teach::ScriptedHand;
 use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_servo_sim::port::Port;
@@ -79,7 +79,7 @@ fn serve(args: &SimulateArgs) -> anyhow::Result<ExitCode> {
     if put_servos(&mut rig.description, &args.servo).with_context(of_rig)? > 0 {
         rig.mechanism = rig.description.mechanism()?;
     }
-    let parts = Parts::new(&rig.description, &rig.mechanism, args.driven.on_board());
+    let parts = RigParts::new(&rig.description, &rig.mechanism, args.driven.on_board());
     let parts = parts.with_context(of_rig)?;
     let chip = match &args.flash {
         Some(path) => Chip::in_file(path).with_context(|| path.display().to_string())?,

@@ -11,7 +11,7 @@ use sinew_firmware::node::{RIG_SCHEMA, SHOW_SCHEMA};
 use sinew_host_util::command::{note, print};
 use sinew_link::message::{Command, Item, Kind, Refusal};
 use sinew_mocap::Kind as FileKind;
-use sinew_performance::play::{Parts, ServoChoice, put_servos};
+use sinew_performance::play::{RigParts, ServoChoice, put_servos};
 use sinew_show::Show;
 
 use super::BoardPort;
@@ -89,7 +89,7 @@ fn rig(
     if put_servos(&mut rig.description, servo).with_context(of_file)? > 0 {
         rig.mechanism = rig.description.mechanism()?;
     }
-    let parts = Parts::new(&rig.description, &rig.mechanism, driven.on_board());
+    let parts = RigParts::new(&rig.description, &rig.mechanism, driven.on_board());
     let parts = parts.with_context(of_file)?;
     let bytes = parts.board_rig().map_err(anyhow::Error::msg);
     let bytes = bytes.with_context(of_file)?;

@@ -7,8 +7,8 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 use sinew_board_client::{Board, ClientError, Line};
 use sinew_host_util::command::note;
-use sinew_link::message::{Command, Feed, Parts as Told, State, Summary};
-use sinew_performance::play::Parts;
+use sinew_link::message::{Command, Feed, State, Summary, TelemetryParts};
+use sinew_performance::play::RigParts;
 use sinew_show::Show;
 
 use crate::cli::board::{READY, arm, check_rig, named, open, put_show, tell_faults};
@@ -46,7 +46,7 @@ struct Performance<'b, L> {
 /// Ctrl-C.
 pub(super) fn perform(
     path: &Path,
-    parts: &Parts,
+    parts: &RigParts,
     bytes: &[u8],
     rounds: Option<u32>,
 ) -> anyhow::Result<ExitCode> {
@@ -56,7 +56,7 @@ pub(super) fn perform(
 /// The same on a board in a session.
 pub(super) fn perform_on<L: Line>(
     board: &mut Board<L>,
-    parts: &Parts,
+    parts: &RigParts,
     bytes: &[u8],
     rounds: Option<u32>,
 ) -> anyhow::Result<ExitCode> {
@@ -65,7 +65,7 @@ pub(super) fn perform_on<L: Line>(
     let stop = Stop::new()?;
     let slot = put_show(board, bytes, "sinew play")?;
     board.ask(Command::LoadShow { slot })?;
-    board.telemetry(RATE_HZ, Told::SUMMARY)?;
+    board.telemetry(RATE_HZ, TelemetryParts::SUMMARY)?;
     let style = ProgressStyle::with_template("{msg}")?;
     let most = rounds.map(|rounds| Duration::from_secs_f32(show.duration_s() * rounds as f32));
     let mut performance = Performance {

@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use anyhow::{Context as _, ensure};
 use sinew_host_util::command::note;
 use sinew_host_util::output;
-use sinew_performance::play::{Parts, ServoChoice, put_servos};
+use sinew_performance::play::{RigParts, ServoChoice, put_servos};
 use sinew_performance::rig_hash;
 use sinew_show::Show;
 
@@ -133,7 +133,7 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     }
     let options =
         if args.target == Target::Nucleo { args.driven.on_board() } else { args.driven.here() };
-    let mut parts = Parts::new(&rig.description, &rig.mechanism, options)
+    let mut parts = RigParts::new(&rig.description, &rig.mechanism, options)
         .with_context(|| args.rig.display().to_string())?;
     notes::tell(&parts);
     let bytes = args.read_or_bake(&rig, &mut parts, bare)?;

@@ -1,13 +1,13 @@
 //! Notes on a loop before it plays: its buses, its rate, its pulses.
 
 use sinew_host_util::command::note;
-use sinew_performance::play::{Drive, Parts};
+use sinew_performance::play::{Drive, RigParts};
 
 /// Pulses that hobby servos bear by the common rule, us.
 const SAFE_PULSES_US: [f32; 2] = [1000.0, 2000.0];
 
 /// Tells what the loop is.
-pub(super) fn tell(parts: &Parts) {
+pub(super) fn tell(parts: &RigParts) {
     for (index, line) in parts.lines.iter().enumerate() {
         let count = line.servos.len();
         let by = |drive| line.servos.iter().filter(|s| parts.servos[**s].drive == drive).count();
@@ -51,7 +51,7 @@ pub(super) fn tell(parts: &Parts) {
 }
 
 /// Tells what hobby servos get at the ends of their joints' ranges.
-fn tell_pulses(parts: &Parts) {
+fn tell_pulses(parts: &RigParts) {
     let all = parts.pulses_us();
     let told = |of: &[&(&str, [f32; 2])]| {
         let each = of.iter().map(|(name, [least, most])| {

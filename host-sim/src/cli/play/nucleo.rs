@@ -10,8 +10,8 @@ use sinew_firmware::node::RIG_SCHEMA;
 use sinew_host_util::command::{note, print};
 use sinew_link::message::Kind;
 use sinew_nucleo::{BoardOnServos, EmulatedBoard, Machine};
-use sinew_performance::play::{Line, Memory, Parts};
-use sinew_performance::rig::Loaded;
+use sinew_performance::play::{Line, Memory, RigParts};
+use sinew_performance::rig::LoadedRig;
 use sinew_servo_sim::device::MEMORY_LEN;
 
 use super::board::perform_on;
@@ -56,8 +56,8 @@ impl Files {
 /// Power-on of a blank board; rig and show over its link; then as on any board, in the time of the emulated chip.
 pub(super) fn perform(
     Files { tool, image }: &Files,
-    rig: &Loaded,
-    parts: &Parts,
+    rig: &LoadedRig,
+    parts: &RigParts,
     bytes: &[u8],
     rounds: Option<u32>,
 ) -> anyhow::Result<ExitCode> {

@@ -6,8 +6,8 @@ use anyhow::{Context as _, bail};
 use sinew_host_util::command::note;
 use sinew_mocap::Kind;
 use sinew_performance::ShowChoices;
-use sinew_performance::play::Parts;
-use sinew_performance::rig::Loaded;
+use sinew_performance::play::RigParts;
+use sinew_performance::rig::LoadedRig;
 use sinew_show::Show;
 
 use super::Args;
@@ -17,8 +17,8 @@ impl Args {
     /// Returns the bytes of the show: read, or baked of a clip. `bare`: the CRC of the rig without servos by --servo.
     pub(super) fn read_or_bake(
         &self,
-        rig: &Loaded,
-        parts: &mut Parts,
+        rig: &LoadedRig,
+        parts: &mut RigParts,
         bare: u32,
     ) -> anyhow::Result<Vec<u8>> {
         let path = Path::new(&self.show);
@@ -58,7 +58,7 @@ impl Args {
         Ok(bytes)
     }
 
-    fn bake(&self, rig: &Loaded, rig_crc: u32) -> anyhow::Result<Vec<u8>> {
+    fn bake(&self, rig: &LoadedRig, rig_crc: u32) -> anyhow::Result<Vec<u8>> {
         let mut on_rig = self.on_rig.clone();
         on_rig.fit = true;
         let (clip, mapping) = (Path::new(&self.show), self.mapping.as_deref());

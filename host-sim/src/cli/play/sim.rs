@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, bail};
 use sinew_firmware::supervisor::{Fault, Refused};
 use sinew_host_util::command::{note, print};
-use sinew_performance::play::{Director, Ended, Memory, Parts, Recorder, SimulatedRig, Tally};
-use sinew_performance::rig::Loaded;
+use sinew_performance::play::{Director, Ended, Memory, Recorder, RigParts, SimulatedRig, Tally};
+use sinew_performance::rig::LoadedRig;
 use sinew_rig::toml_file;
 use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_show::Show;
@@ -22,8 +22,8 @@ impl Args {
     /// Plays to the end, and prints the table.
     pub(super) fn simulate(
         &self,
-        rig: &Loaded,
-        parts: &Parts,
+        rig: &LoadedRig,
+        parts: &RigParts,
         bytes: &[u8],
     ) -> anyhow::Result<ExitCode> {
         let of_rig = || self.rig.display().to_string();
@@ -89,7 +89,7 @@ impl Args {
         })
     }
 
-    fn recorder(&self, rig: &Loaded, parts: &Parts) -> anyhow::Result<Option<Recorder>> {
+    fn recorder(&self, rig: &LoadedRig, parts: &RigParts) -> anyhow::Result<Option<Recorder>> {
         let begin = |path: &PathBuf| {
             let rig = toml_file::write(&rig.description);
             let recorder = Recorder::new(path, parts, &rig, &[("show", &self.show)]);

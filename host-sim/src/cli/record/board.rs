@@ -7,9 +7,9 @@ use anyhow::{bail, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use sinew_board_client::ClientError;
 use sinew_host_util::command::note;
-use sinew_link::message::{Command, Parts as Told, Refusal, State};
-use sinew_performance::play::Parts;
-use sinew_performance::rig::Loaded;
+use sinew_link::message::{Command, Refusal, State, TelemetryParts};
+use sinew_performance::play::RigParts;
+use sinew_performance::rig::LoadedRig;
 use sinew_performance::teach::{Mode, check_servos, rows};
 use sinew_retarget::feasibility::RigMotion;
 
@@ -26,8 +26,8 @@ const SILENT: Duration = Duration::from_secs(1);
 /// What was measured between `teaching` or `floating` and Ctrl-C, or for so many seconds.
 pub(super) fn led(
     port: &Path,
-    rig: &Loaded,
-    parts: &Parts,
+    rig: &LoadedRig,
+    parts: &RigParts,
     mode: Mode,
     seconds: Option<f64>,
 ) -> anyhow::Result<RigMotion> {
@@ -35,8 +35,8 @@ pub(super) fn led(
     let mut board = open(Some(port), "--target")?;
     check_rig(&board, parts)?;
     // As often as there are ticks: how long one is, the board alone knows.
-    let tick_s = f64::from(board.telemetry(f32::MAX, Told::SUMMARY)?.rate_hz).recip();
-    let told = board.telemetry(RATE_HZ, Told::SUMMARY.and(Told::POSE))?;
+    let tick_s = f64::from(board.telemetry(f32::MAX, TelemetryParts::SUMMARY)?.rate_hz).recip();
+    let told = board.telemetry(RATE_HZ, TelemetryParts::SUMMARY.and(TelemetryParts::POSE))?;
     ensure!(told.rate_hz > 0.0, "the controller sends no poses");
     let mut session = TeachSession { board, stop: Stop::new()?, state: None, bar: bar()? };
     let led = session.run(mode, seconds);

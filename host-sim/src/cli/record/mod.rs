@@ -8,13 +8,13 @@ use anyhow::{Context as _, bail};
 use sinew_firmware::supervisor::State;
 use sinew_host_util::command::{note, print};
 use sinew_host_util::output;
-use sinew_performance::play::{Memory, Options, Parts, ServoChoice, SimulatedRig, put_servos};
-use sinew_performance::rig::Loaded;
+use sinew_performance::play::{Memory, Options, RigParts, ServoChoice, SimulatedRig, put_servos};
+use sinew_performance::rig::LoadedRig;
 use sinew_performance::teach::{
     GuideTrajectory, Mode, TeachRecording, TeachResult, TeachSession, compare_with_guide,
 };
 use sinew_performance::{
-    MotionChoices, Played, RetargetedClip, RigPerformance, ShowChoices, feasibility, rig_hash,
+    MotionChoices, RetargetedClip, RigPerformance, ShowChoices, ShowPlayback, feasibility, rig_hash,
 };
 use sinew_retarget::exchange::table;
 use sinew_retarget::feasibility::RigMotion;
@@ -187,19 +187,19 @@ impl Args {
         if self.float && !self.limp { Mode::Float } else { Mode::Limp }
     }
 
-    fn parts(&self, rig: &Loaded) -> anyhow::Result<Parts> {
-        let parts = Parts::new(&rig.description, &rig.mechanism, Options::default());
+    fn parts(&self, rig: &LoadedRig) -> anyhow::Result<RigParts> {
+        let parts = RigParts::new(&rig.description, &rig.mechanism, Options::default());
         parts.with_context(|| self.rig.display().to_string())
     }
 
     /// What a controller measured while somebody led its rig.
-    fn led_at(&self, port: &Path, rig: &Loaded) -> anyhow::Result<Led> {
+    fn led_at(&self, port: &Path, rig: &LoadedRig) -> anyhow::Result<Led> {
         let parts = self.parts(rig)?;
         Ok((board::led(port, rig, &parts, self.mode(), self.seconds)?, None))
     }
 
     /// What was measured while the scripted hand led.
-    fn led(&self, rig: &Loaded) -> anyhow::Result<Led> {
+    fn led(&self, rig: &LoadedRig) -> anyhow::Result<Led> {
         let of_rig = || self.rig.display().to_string();
         let guide = read_guide(rig, self.guide.as_deref())?;
         let mut parts = self.parts(rig)?;
@@ -235,7 +235,7 @@ impl Args {
     /// Writes a show of a motion; says what it is, and which motion it has.
     fn show(
         &self,
-        rig: &Loaded,
+        rig: &LoadedRig,
         motion: &RigMotion,
         path: &Path,
     ) -> anyhow::Result<(String, RigMotion)> {
@@ -261,14 +261,14 @@ impl Args {
         if let Some(done) = performance.fit_summary() {
             text.extend([format!("\nFitted: {done}")]);
         }
-        let played = Played::new(&baked.written.bytes)?.motion(motion.dt_s);
+        let played = ShowPlayback::new(&baked.written.bytes)?.motion(motion.dt_s);
         Ok((text, played))
     }
 
     /// How far a motion is from where the hand led.
     fn off(
         &self,
-        rig: &Loaded,
+        rig: &LoadedRig,
         motion: &RigMotion,
         guide: &GuideTrajectory,
         begin_s: f64,
@@ -295,7 +295,7 @@ fn shown(radians: f64) -> String {
 }
 
 /// The name of a coordinate's joint.
-fn coordinate(rig: &Loaded, at: usize) -> &str {
+fn coordinate(rig: &LoadedRig, at: usize) -> &str {
     let ranges = rig.mechanism.coordinate_ranges();
     let mut joints = rig.mechanism.bodies.iter().zip(ranges);
     joints.find(|(_, range)| range.contains(&at)).map_or("", |(link, _)| &link.joint_name)

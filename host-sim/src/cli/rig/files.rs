@@ -5,16 +5,16 @@ use std::path::{Path, PathBuf};
 use anyhow::bail;
 use clap::Args;
 use sinew_host_util::command::note;
-use sinew_performance::rig::{Loaded, load};
+use sinew_performance::rig::{LoadedRig, load};
 use sinew_rig::import::Options;
 
 /// Reads a rig of any format; what an import changed is said on standard error.
-pub(in crate::cli) fn read(path: &Path) -> anyhow::Result<Loaded> {
+pub(in crate::cli) fn read(path: &Path) -> anyhow::Result<LoadedRig> {
     read_as(path, &Options::default())
 }
 
 /// Reads a rig with the user's word on what the file leaves open.
-pub(super) fn read_as(path: &Path, options: &Options) -> anyhow::Result<Loaded> {
+pub(super) fn read_as(path: &Path, options: &Options) -> anyhow::Result<LoadedRig> {
     let loaded = load(path, options)?;
     for line in &loaded.notes {
         note(format_args!("note: {line}"));

@@ -33,7 +33,7 @@ fn value(r: &mut Random) -> Value {
 }
 
 fn setting(r: &mut Random) -> TelemetrySetting {
-    TelemetrySetting { rate_hz: r.finite(), parts: Parts(r.bits() as u8) }
+    TelemetrySetting { rate_hz: r.finite(), parts: TelemetryParts(r.bits() as u8) }
 }
 
 fn fault(r: &mut Random) -> FaultRecord {

@@ -14,7 +14,7 @@ use sinew_wiring::{LINES, Wiring};
 
 use super::error::BoardError;
 use super::flash::{Chip, TABLE};
-use crate::play::{BODIES, COORDINATES, DOFS, Parts, SERVOS};
+use crate::play::{BODIES, COORDINATES, DOFS, RigParts, SERVOS};
 
 /// Room for the longest rig in its compact form.
 pub(super) const RIG_ROOM: usize = 1 << 16;
@@ -43,7 +43,7 @@ pub(super) struct Node {
 
 impl Node {
     /// Starts with what is in flash.
-    pub(super) fn start(parts: &Parts, chip: &Chip, about: About) -> Result<Self, BoardError> {
+    pub(super) fn start(parts: &RigParts, chip: &Chip, about: About) -> Result<Self, BoardError> {
         let defaults = parts.node_settings();
         let found = start::<_, BODIES, DOFS, SERVOS>(
             chip.clone(),

@@ -20,7 +20,7 @@ use super::flash::{Chip, TABLE};
 use super::node::{HostPort, Node, Pins};
 use crate::play::bus::Buses;
 use crate::play::simulated_lines::lines;
-use crate::play::{BODIES, COORDINATES, DOFS, Memory, Parts, SERVOS, Wires, pulses};
+use crate::play::{BODIES, COORDINATES, DOFS, Memory, RigParts, SERVOS, Wires, pulses};
 
 /// Steps below the loop in each tick: they take 64 bytes each.
 const STEPS: u32 = 8;
@@ -29,7 +29,7 @@ const APPROVER: &str = "simulated board";
 
 /// A board, its power on.
 pub struct SimulatedBoard<'a, P> {
-    parts: &'a Parts,
+    parts: &'a RigParts,
     chip: Chip,
     about: About,
     node: Node,
@@ -52,7 +52,7 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
     /// # Errors
     /// [`BoardError`].
     pub fn new(
-        parts: &'a Parts,
+        parts: &'a RigParts,
         memories: &'a mut [Memory],
         plant: P,
         chip: Chip,
@@ -81,7 +81,7 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
     ///
     /// # Errors
     /// [`BoardError`].
-    pub fn store_rig(parts: &Parts, chip: &Chip) -> Result<(), BoardError> {
+    pub fn store_rig(parts: &RigParts, chip: &Chip) -> Result<(), BoardError> {
         let failed = |error| BoardError::Flash(format!("{error:?}"));
         let (mut store, disarmed) = Store::open(chip.clone(), TABLE).map_err(failed)?;
         if store.rig().map_err(failed)?.is_some() {

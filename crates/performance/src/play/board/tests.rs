@@ -9,7 +9,7 @@ use sinew_board_client::{Board, BoardServos, ClientError, Line, item};
 use sinew_firmware::node::{RIG_SCHEMA, SHOW_SCHEMA};
 use sinew_firmware::supervisor::State as Of;
 use sinew_link::message::{
-    Applied, Command, Feed, Kind, Misfit, Parts as Told, Refusal, State, Version,
+    Applied, Command, Feed, Kind, Misfit, Refusal, State, TelemetryParts, Version,
 };
 use sinew_retarget::feasibility::RigMotion;
 use sinew_rig::Description;
@@ -20,8 +20,8 @@ use sinew_servo_tools::{Client, Protocol, ServiceError, Settings};
 use sinew_show::write::Settings as ShowSettings;
 
 use super::{Chip, SimulatedBoard};
-use crate::play::{Memory, Options, Parts};
-use crate::{Baker, Marks};
+use crate::play::{Memory, Options, RigParts};
+use crate::{Baker, ShowMarks};
 
 const SECOND: Duration = Duration::from_secs(1);
 
@@ -61,7 +61,7 @@ struct Desk<'a> {
     client: Board<Shared<'a>>,
     board: Rc<RefCell<SimulatedBoard<'a, RigPlant>>>,
     is_cut: Rc<RefCell<bool>>,
-    parts: &'a Parts,
+    parts: &'a RigParts,
     /// Of one second.
     show: Vec<u8>,
 }
@@ -74,11 +74,11 @@ fn on_desk(is_blank: bool, test: impl FnOnce(Desk<'_>) + Send) {
 fn rig_on_desk(rig: &Description, is_blank: bool, test: impl FnOnce(Desk<'_>) + Send) {
     let run = || {
         let mechanism = rig.mechanism().unwrap();
-        let parts = Parts::new(rig, &mechanism, Options::default()).unwrap();
+        let parts = RigParts::new(rig, &mechanism, Options::default()).unwrap();
         let motion = RigMotion { dt_s: 0.1, rows: vec![mechanism.home(); 11] };
         let (rig_crc, settings) = (parts.rig_crc(), ShowSettings::default());
         let baker = Baker { mechanism: &mechanism, rig: rig_crc, settings };
-        let show = baker.bake(&motion, &Marks::default());
+        let show = baker.bake(&motion, &ShowMarks::default());
         let show = show.unwrap().written.bytes;
         let chip = Chip::blank();
         if !is_blank {
@@ -111,7 +111,7 @@ impl Desk<'_> {
     }
 
     fn arm(&mut self) {
-        self.client.telemetry(20.0, Told::SUMMARY).unwrap();
+        self.client.telemetry(20.0, TelemetryParts::SUMMARY).unwrap();
         self.until(State::Limp);
         let end = self.client.now() + 10 * SECOND;
         while self.client.now() < end {
@@ -212,7 +212,7 @@ fn a_board_that_is_unplugged_holds_and_then_is_limp() {
 #[test]
 fn servos_are_reached_through_a_limp_board_alone() {
     on_desk(false, |mut desk| {
-        desk.client.telemetry(20.0, Told::SUMMARY).unwrap();
+        desk.client.telemetry(20.0, TelemetryParts::SUMMARY).unwrap();
         desk.until(State::Limp);
         let baud = desk.parts.lines[0].baud;
         let settings = Settings { patience: Duration::from_millis(3), tries: 2 };
@@ -244,7 +244,7 @@ fn servos_are_reached_through_a_limp_board_alone() {
 #[test]
 fn no_packet_is_passed_on_to_a_chip_that_makes_pulses() {
     rig_on_desk(&face(), false, |mut desk| {
-        desk.client.telemetry(20.0, Told::SUMMARY).unwrap();
+        desk.client.telemetry(20.0, TelemetryParts::SUMMARY).unwrap();
         desk.until(State::Limp);
         let mut chip = BoardServos::new(desk.client, 0).unwrap();
         let none =

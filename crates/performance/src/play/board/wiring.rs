@@ -4,9 +4,9 @@ use sinew_wiring::{BusLine, LINES, Servo, Wiring};
 
 use super::node::RIG_ROOM;
 use crate::play::line_setup::LineSetup;
-use crate::play::{Parts, SERVOS};
+use crate::play::{RigParts, SERVOS};
 
-impl Parts {
+impl RigParts {
     /// The rig in its compact form. It ends with the CRC by which boards and shows name it.
     ///
     /// # Errors

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use sinew_board_client::{BoardServos, SerialBoard};
-use sinew_performance::play::{Line, Parts};
+use sinew_performance::play::{Line, RigParts};
 use sinew_servo_sim::rig::RigServo;
 use sinew_servo_tools::{Client, Protocol, ServiceError, Settings};
 
@@ -21,7 +21,7 @@ const LATE: Duration = Duration::from_micros(1500);
 /// Asks all servos of all lines.
 pub(super) fn look(
     mut board: PortBoard,
-    parts: &Parts,
+    parts: &RigParts,
     findings: &mut Findings,
 ) -> anyhow::Result<()> {
     for (index, line) in (0..).zip(&parts.lines) {
@@ -40,7 +40,7 @@ pub(super) fn look(
 
 fn of_line(
     servos: &mut BoardServos<SerialBoard>,
-    parts: &Parts,
+    parts: &RigParts,
     line: &Line,
     findings: &mut Findings,
 ) -> anyhow::Result<()> {

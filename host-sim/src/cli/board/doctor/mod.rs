@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use anyhow::Context as _;
 use sinew_host_util::command::{note, print};
-use sinew_performance::play::Parts;
+use sinew_performance::play::RigParts;
 
 use self::findings::Findings;
 use super::BoardPort;
@@ -42,7 +42,7 @@ pub(super) struct DoctorArgs {
 pub(super) fn run(args: &DoctorArgs) -> anyhow::Result<ExitCode> {
     let rig = args.rig.as_deref().map(read).transpose()?;
     let parts = rig.as_ref().map(|rig| {
-        let parts = Parts::new(&rig.description, &rig.mechanism, args.driven.on_board());
+        let parts = RigParts::new(&rig.description, &rig.mechanism, args.driven.on_board());
         parts.with_context(|| rig.description.name.clone())
     });
     let parts = parts.transpose()?;

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use sinew_firmware::node::{RIG_SCHEMA, SETTINGS_SCHEMA, SHOW_SCHEMA};
-use sinew_link::message::{Cycles, Health, Item, Location, Parts as Told, State, Version};
-use sinew_performance::play::Parts;
+use sinew_link::message::{Cycles, Health, Item, Location, State, TelemetryParts, Version};
+use sinew_performance::play::RigParts;
 
 use super::findings::Findings;
 use super::findings::Verdict::{Doubtful, Ok as Well, Wrong};
@@ -22,7 +22,7 @@ const SUPPLY: f32 = 0.1;
 /// Looks; whether packets may be passed on to its servos.
 pub(super) fn look(
     board: &mut PortBoard,
-    parts: Option<&Parts>,
+    parts: Option<&RigParts>,
     findings: &mut Findings,
 ) -> anyhow::Result<bool> {
     let about = board.about();
@@ -72,7 +72,7 @@ pub(super) fn look(
 }
 
 /// The CRC by which a board names a rig.
-fn crc(parts: &Parts) -> Option<u32> {
+fn crc(parts: &RigParts) -> Option<u32> {
     let bytes = parts.compact_rig().ok()?;
     bytes.last_chunk().map(|crc| u32::from_le_bytes(*crc))
 }
@@ -100,7 +100,7 @@ fn stored(board: &mut PortBoard, findings: &mut Findings) -> anyhow::Result<()> 
 }
 
 fn state(board: &mut PortBoard, findings: &mut Findings) -> anyhow::Result<bool> {
-    board.telemetry(10.0, Told::ALL)?;
+    board.telemetry(10.0, TelemetryParts::ALL)?;
     board.run(LISTEN)?;
     let state = board.fresh_state(LISTEN)?;
     let (verdict, todo) = match state {
@@ -166,7 +166,7 @@ fn loop_and_link(board: &mut PortBoard, findings: &mut Findings) {
 
 fn health(
     board: &mut PortBoard,
-    parts: Option<&Parts>,
+    parts: Option<&RigParts>,
     findings: &mut Findings,
 ) -> anyhow::Result<()> {
     // What was counted before belongs to other work.
@@ -208,9 +208,9 @@ fn health(
     Ok(())
 }
 
-fn supply(board: &PortBoard, least_v: f32, parts: Option<&Parts>, findings: &mut Findings) {
+fn supply(board: &PortBoard, least_v: f32, parts: Option<&RigParts>, findings: &mut Findings) {
     let at_rest = board.log.summary.map_or(0.0, |summary| summary.supply_v);
-    let wanted = parts.and_then(Parts::supply_v);
+    let wanted = parts.and_then(RigParts::supply_v);
     let is_near = |v: f32| wanted.is_none_or(|wanted| (v - wanted).abs() <= SUPPLY * wanted);
     let of_rig = wanted.map_or_else(String::new, |v| format!(", the rig's file has {v:.1} V"));
     let todo = "measure it at the last servo; a stronger supply, or thicker and shorter cables";

@@ -23,7 +23,7 @@ use crate::rig_hash;
 const BOARD_HZ: u32 = 180_000_000;
 
 /// The parts of a rig that plays: its compact form, settings, lines and servos.
-pub struct Parts {
+pub struct RigParts {
     pub(super) board: CompactRig,
     pub(super) settings: ControllerSettings,
     pub(super) setups: Vec<ServoSetup>,
@@ -50,7 +50,7 @@ pub struct Parts {
     pub on_board: (u32, Option<u32>),
 }
 
-impl Parts {
+impl RigParts {
     /// Of a rig.
     ///
     /// # Errors
