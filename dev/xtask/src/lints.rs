@@ -8,8 +8,8 @@ use sinew_image::EMULATED;
 use sinew_steps::image::built_in;
 use sinew_steps::{arm, step};
 
-use crate::studies;
 use crate::test::{Scope, WITH_DEFMT};
+use crate::{nextest, studies};
 
 /// What follows clippy's options.
 const DENY: [&str; 3] = ["--", "--deny", "warnings"];
@@ -25,13 +25,14 @@ pub(crate) fn while_compiling(cargo: &mut Command) -> &mut Command {
     cargo.env("RUSTC_WORKSPACE_WRAPPER", clippy).env("CLIPPY_ARGS", deny.collect::<String>())
 }
 
-/// Lints what no build of tests compiles: benches, features of boards and of fuzzers, studies.
+/// Lints what no build of tests compiles: packages that measure, features of boards and of fuzzers, studies.
 pub(crate) fn rest() -> Result<()> {
     let mut clippy = step::cargo();
-    clippy.args(["clippy", "--locked", "--workspace", "--all-targets", WITH_DEFMT]);
+    clippy.args(["clippy", "--locked", "--all-targets", WITH_DEFMT, "--package=sinew-firmware"]);
+    clippy.args(nextest::UNTESTED.map(|package| format!("--package={package}")));
     // Fuzz targets as a fuzzer builds them.
-    clippy.arg("--features=sinew-fuzz/bolero");
-    step::run("clippy of all targets", clippy.args(DENY))?;
+    clippy.args(["--package=sinew-fuzz", "--features=sinew-fuzz/bolero"]);
+    step::run("clippy of what no test is built with", clippy.args(DENY))?;
     studies::lint()
 }
 

@@ -19,7 +19,7 @@ pub(crate) const WITHOUT_DATA: &str = "test(emulated_) + test(in_qemu) + test(ev
     + test(a_reader_can_use_the_report) - test(robots) - test(walks)";
 
 /// Packages that only measure: no test needs them, nor what they bring.
-const UNTESTED: [&str; 3] = ["sinew-measure", "sinew-bench", "sinew-host-bench"];
+pub(crate) const UNTESTED: [&str; 3] = ["sinew-measure", "sinew-bench", "sinew-host-bench"];
 
 /// How many of the slowest tests are named.
 const NAMED: usize = 20;
