@@ -86,6 +86,7 @@ pub(crate) fn dynamixel_bus() {
     let Some(schedule) = schedule(&black_box(traffic)) else { return };
     let settings = black_box(Settings { fast: true, retries: 1 });
     black_box(black_box(dynamixel::Mode::Position).number());
+    black_box(dynamixel::table::Model::of_kind(black_box("XL330-M288-T")));
     if let Ok(bus) = Bus::<SERVOS>::new(slice(), schedule, settings) {
         serve(black_box(bus));
     }
@@ -177,6 +178,7 @@ pub(crate) fn feetech_bus() {
     let family = black_box(Family::Sts);
     let Some(schedule) = schedule(&black_box(traffic(family, black_box(1)))) else { return };
     black_box(settings::feetech(family, requirements()).last());
+    black_box(feetech::Model::of_kind(black_box("STS3215-12V")));
     let settings = black_box(Settings { family, echo: true, retries: 1, speed_counts: 1 });
     if let Ok(bus) = Bus::<SERVOS>::new(slice(), schedule, settings) {
         serve(black_box(bus));
