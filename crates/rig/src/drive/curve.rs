@@ -41,9 +41,9 @@ impl Curve {
     /// A curve through points `[s, q]`, `s` in rad and rising, `q` in rad or m and all rising or all falling.
     ///
     /// # Errors
-    /// [`DriveError`] if there are fewer than 2 points or more than [`CURVE_CAPACITY`], a number is none, servo positions
-    /// do not rise by at least 0.001 rad, joint positions turn back, or the curve is flat somewhere: below 1/100 of its
-    /// mean slope.
+    /// [`DriveError`] if there are fewer than 2 points or more than [`CURVE_CAPACITY`], a number is none, servo
+    /// positions do not rise by at least 0.001 rad, joint positions turn back, or the curve is flat somewhere: below
+    /// 1/100 of its mean slope.
     pub fn new(points: &[[f32; 2]]) -> Result<Self, DriveError> {
         let (what, found) = ("points", points.len());
         let [first, .., last] = points else {
