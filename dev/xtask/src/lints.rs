@@ -8,10 +8,13 @@ use sinew_image::EMULATED;
 use sinew_steps::image::built_in;
 use sinew_steps::{arm, step};
 
-use crate::test::{Scope, WITH_DEFMT};
-use crate::{nextest, studies};
+use crate::scope::Scope;
+use crate::studies;
 
-/// What follows clippy's options.
+/// Core and firmware with `defmt`, too, which nothing else has.
+pub(crate) const WITH_DEFMT: &str = "--features=sinew-firmware/defmt";
+
+/// Options of clippy's compiler, behind those of cargo: a warning fails.
 const DENY: [&str; 3] = ["--", "--deny", "warnings"];
 
 /// Lets a build of tests lint what it compiles: clippy is a compiler that says more. To check all crates first, and
@@ -25,11 +28,11 @@ pub(crate) fn while_compiling(cargo: &mut Command) -> &mut Command {
     cargo.env("RUSTC_WORKSPACE_WRAPPER", clippy).env("CLIPPY_ARGS", deny.collect::<String>())
 }
 
-/// Lints what no build of tests compiles: packages that measure, features of boards and of fuzzers, studies.
-pub(crate) fn rest() -> Result<()> {
+/// Lints all that no build of tests compiles: these packages, features of boards and of fuzzers, studies.
+pub(crate) fn rest(untested: &[&str]) -> Result<()> {
     let mut clippy = step::cargo();
     clippy.args(["clippy", "--locked", "--all-targets", WITH_DEFMT, "--package=sinew-firmware"]);
-    clippy.args(nextest::UNTESTED.map(|package| format!("--package={package}")));
+    clippy.args(untested.iter().map(|package| format!("--package={package}")));
     // Fuzz targets as a fuzzer builds them.
     clippy.args(["--package=sinew-fuzz", "--features=sinew-fuzz/bolero"]);
     step::run("clippy of what no test is built with", clippy.args(DENY))?;

@@ -15,6 +15,7 @@ mod parity;
 mod peers;
 mod python;
 mod retargeting;
+mod scope;
 mod semver;
 mod setup;
 mod studies;
@@ -27,8 +28,8 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 
+use scope::Scope;
 use task::{HELP, Task};
-use test::Scope;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = env::args().skip(1).collect();

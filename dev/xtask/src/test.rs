@@ -9,22 +9,12 @@ use sinew_steps::image::Image;
 use sinew_steps::step;
 use sinew_steps::step::Beside;
 
+use crate::lints::WITH_DEFMT;
+use crate::scope::Scope;
 use crate::{
     clients, deny, docs, emulate, firmware, limits, lints, measure, nextest, node, package, parity,
     retargeting, setup, studies,
 };
-
-/// How much is checked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Scope {
-    /// What every change must pass.
-    Gate,
-    /// Everything but what takes an hour.
-    All,
-}
-
-/// Core and firmware with `defmt`, too, which nothing else has.
-pub(crate) const WITH_DEFMT: &str = "--features=sinew-firmware/defmt";
 
 /// Runs checks and tests, and prints what each step took.
 pub(crate) fn run(scope: Scope) -> Result<()> {
@@ -67,7 +57,7 @@ fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
     docs::text()?;
     deny::run()?;
     if scope == Scope::All {
-        lints::rest()?;
+        lints::rest(&nextest::UNTESTED)?;
         published()?;
     }
 
