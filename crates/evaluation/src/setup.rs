@@ -176,12 +176,14 @@ impl Setup {
 
     /// The keys that differ from the default, with their values: `plant.substeps = 4`.
     pub fn differences(&self) -> Vec<String> {
-        let table = |setup: &Self| {
-            toml::Table::try_from(setup).expect("every setup can be written in TOML")
-        };
         let mut lines = Vec::new();
-        differences("", &table(self), &table(&Self::default()), &mut lines);
+        differences("", &self.table(), &Self::default().table(), &mut lines);
         lines
+    }
+
+    /// The setup as a TOML table: every key with its value.
+    pub(super) fn table(&self) -> toml::Table {
+        toml::Table::try_from(self).expect("every setup can be written in TOML")
     }
 
     /// The figure as the controller knows it, on the dimensions of a clip and this setup.

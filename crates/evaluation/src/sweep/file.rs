@@ -97,7 +97,7 @@ impl SweepFile {
                     };
                     SweepError::Setup { file: file(), place, source }
                 })?;
-                let key = toml::to_string(&setup).expect("every setup can be written in TOML");
+                let key = setup.table().to_string();
                 if keys.insert(key.clone()) {
                     cells.push(Cell { setup, key });
                 } else {

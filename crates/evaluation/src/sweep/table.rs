@@ -162,12 +162,12 @@ fn leaf(errors: &Errors) -> [f64; 4] {
 /// Every key of the setups, constant or not: a table says all about its rows. Subjects by their name.
 fn setup_columns(rows: &[Row<'_>]) -> Vec<Column> {
     let mut template = Vec::new();
-    flatten("", &table(&Setup::default()), &mut template);
+    flatten("", &Setup::default().table(), &mut template);
     let flat: Vec<Vec<(String, toml::Value)>> = rows
         .iter()
         .map(|row| {
             let mut values = Vec::new();
-            let mut table = table(row.setup);
+            let mut table = row.setup.table();
             table.remove("subject");
             flatten("", &table, &mut values);
             values
@@ -202,10 +202,6 @@ fn setup_columns(rows: &[Row<'_>]) -> Vec<Column> {
 /// A value without the quotes of TOML.
 fn plain(value: &toml::Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), str::to_owned)
-}
-
-fn table(setup: &Setup) -> toml::Table {
-    toml::Table::try_from(setup).expect("every setup can be written in TOML")
 }
 
 fn flatten(prefix: &str, table: &toml::Table, values: &mut Vec<(String, toml::Value)>) {
