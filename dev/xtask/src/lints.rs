@@ -1,4 +1,4 @@
-//! Clippy, over the host's crates, the images and the studies.
+//! Clippy, over the host's crates and the images.
 
 use std::path::Path;
 use std::process::Command;
@@ -9,7 +9,6 @@ use sinew_steps::image::built_in;
 use sinew_steps::{arm, step};
 
 use crate::scope::Scope;
-use crate::studies;
 
 /// Core and firmware with `defmt`, too, which nothing else has.
 pub(crate) const WITH_DEFMT: &str = "--features=sinew-firmware/defmt";
@@ -28,15 +27,14 @@ pub(crate) fn while_compiling(cargo: &mut Command) -> &mut Command {
     cargo.env("RUSTC_WORKSPACE_WRAPPER", clippy).env("CLIPPY_ARGS", deny.collect::<String>())
 }
 
-/// Lints all that no build of tests compiles: these packages, features of boards and of fuzzers, studies.
+/// Lints all that no build of tests compiles: these packages, features of boards and of fuzzers.
 pub(crate) fn rest(untested: &[&str]) -> Result<()> {
     let mut clippy = step::cargo();
     clippy.args(["clippy", "--locked", "--all-targets", WITH_DEFMT, "--package=sinew-firmware"]);
     clippy.args(untested.iter().map(|package| format!("--package={package}")));
     // Fuzz targets as a fuzzer builds them.
     clippy.args(["--package=sinew-fuzz", "--features=sinew-fuzz/bolero"]);
-    step::run("clippy of what no test is built with", clippy.args(DENY))?;
-    studies::lint()
+    step::run("clippy of what no test is built with", clippy.args(DENY))
 }
 
 /// Lints the images: those of one run share their features.
