@@ -87,7 +87,7 @@ fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
     tests
         .env("INSTA_UPDATE", "no")
         // The same random cases in every run, so that what fails here was changed here. Plain `cargo test` draws new
-        // ones, but for the core's: this is their seed, too (`property` in tests/src/lib.rs).
+        // ones, but for the core's: this is their seed, too (`property` in tests/support).
         .env("PROPTEST_RNG_SEED", "20261121")
         .envs(firmware::variables());
     let data = env::var_os("SINEW_DATA").is_some();

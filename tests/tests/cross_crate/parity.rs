@@ -22,8 +22,8 @@ use sinew_figure::builtin;
 use sinew_figure::pipeline::{Settings, prepare};
 use sinew_figure::{BODIES, FigureMotion};
 use sinew_show::write::{Settings as ShowSettings, write};
-use sinew_tests::figure::figure_show;
-use sinew_tests::parity::{Difference, Machine, Run, here, to_play};
+use sinew_test_support::figure::figure_show;
+use sinew_test_support::parity::{Difference, Machine, Run, here, to_play};
 
 const SCALES: [f64; 2] = [1.0, 1.1];
 

@@ -2,7 +2,7 @@
 
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
-use sinew_tests::rig::{Joints, Rig, figures, rigs_with_rotors};
+use sinew_test_support::rig::{Joints, Rig, figures, rigs_with_rotors};
 
 /// Most bodies of a rig.
 const BODIES: usize = 64;

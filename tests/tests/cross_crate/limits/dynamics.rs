@@ -5,8 +5,8 @@ use sinew_core::dynamics::{
 };
 use sinew_core::glam::{DVec3, Vec3};
 use sinew_core::{JointState, Twist};
-use sinew_tests::rig::Rig;
-use sinew_tests::rounded::{Rounded, motions};
+use sinew_test_support::rig::Rig;
+use sinew_test_support::rounded::{Rounded, motions};
 use sinew_verification::rounding::{self, Motion, Number, Vector};
 
 use super::case::Case;

@@ -7,7 +7,7 @@ use sinew_core::state_error::{
     Aim, AimStatus, Aims, Compensation, Method, StateError, linear_compensation, local, world,
 };
 use sinew_core::{JointTargets, TorqueController, Twist, Workspace};
-use sinew_tests::rig::{CAPACITY, Rig};
+use sinew_test_support::rig::{CAPACITY, Rig};
 use sinew_verification::rounding::{
     Compensated, Difference, Joint, Motion, Number, State, Vector, turn_error,
 };

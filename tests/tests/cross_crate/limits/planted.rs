@@ -2,8 +2,8 @@
 
 use sinew_core::glam::Vec3;
 use sinew_core::{Body, JointState, Tree, Twist};
-use sinew_tests::rig::{CAPACITY, Rig};
-use sinew_tests::rounded::motions;
+use sinew_test_support::rig::{CAPACITY, Rig};
+use sinew_test_support::rounded::motions;
 use sinew_verification::rounding::Vector;
 
 use super::case::Case;

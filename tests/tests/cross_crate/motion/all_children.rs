@@ -9,8 +9,8 @@ use sinew_core::state_error::{
     linear_compensation, world,
 };
 use sinew_core::{BodySet, BodyState, Transform, Twist, kinematics, math};
-use sinew_tests::property;
-use sinew_tests::rig::{CAPACITY, figures};
+use sinew_test_support::property;
+use sinew_test_support::rig::{CAPACITY, figures};
 
 /// Bodies of a figure that is larger than the paper's 18.
 const MOST: usize = 24;

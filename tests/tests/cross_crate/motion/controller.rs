@@ -11,8 +11,8 @@ use sinew_core::{
     JointKind, JointState, JointStates, JointTargets, TorqueController, Transform, Tree, Twist,
     Workspace, Wrench,
 };
-use sinew_tests::property;
-use sinew_tests::rig::{CAPACITY, Joints, Rig, figures, rigs};
+use sinew_test_support::property;
+use sinew_test_support::rig::{CAPACITY, Joints, Rig, figures, rigs};
 
 fn gains() -> Gains {
     Gains::critically_damped(200.0).expect("a good gain")

@@ -11,9 +11,9 @@ use sinew_core::{
     Body, Inertia, JointKind, JointStates, JointTargets, TorqueController, Transform, Tree, Twist,
     Workspace, Wrench, math,
 };
-use sinew_tests::property;
-use sinew_tests::reference;
-use sinew_tests::rig::{CAPACITY, Joints, Rig, rigs};
+use sinew_test_support::property;
+use sinew_test_support::reference;
+use sinew_test_support::rig::{CAPACITY, Joints, Rig, rigs};
 
 const GRAVITY: Vec3 = Vec3::new(1.3, -9.4, 2.2);
 

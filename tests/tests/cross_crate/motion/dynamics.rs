@@ -5,10 +5,10 @@ use proptest::prelude::*;
 use sinew_core::glam::Vec3;
 use sinew_core::{BodyState, JointKind};
 use sinew_core::{JointState, JointStates, Transform, Twist, Wrench, kinematics};
-use sinew_tests::property;
-use sinew_tests::reference;
-use sinew_tests::rig::{CAPACITY, Joints, Rig, rigs, rigs_with_rotors};
-use sinew_tests::rounded::Rounded;
+use sinew_test_support::property;
+use sinew_test_support::reference;
+use sinew_test_support::rig::{CAPACITY, Joints, Rig, rigs, rigs_with_rotors};
+use sinew_test_support::rounded::Rounded;
 
 const GRAVITY: Vec3 = Vec3::new(1.3, -9.4, 2.2);
 

@@ -37,11 +37,11 @@ use sinew_core::{
 };
 use sinew_show::write::{Motion, Settings as ShowSettings, write};
 use sinew_show::{Joint, Rate, Show};
-use sinew_tests::extreme::{
+use sinew_test_support::extreme::{
     self, FINITE, NOT_FINITE, Scene, any_motion, any_number, any_pose, any_quaternion, any_vector,
     scenes,
 };
-use sinew_tests::property;
+use sinew_test_support::property;
 
 /// Bodies of the rigs: enough for forks and chains.
 const N: usize = 6;

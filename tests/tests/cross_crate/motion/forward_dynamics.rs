@@ -10,8 +10,8 @@ use sinew_core::glam::{Quat, Vec3};
 use sinew_core::{
     Body, Inertia, JointKind, JointState, RotationalInertia, Transform, Twist, Wrench, math,
 };
-use sinew_tests::property;
-use sinew_tests::rig::{CAPACITY, Joints, Rig, rigs, rigs_with_rotors};
+use sinew_test_support::property;
+use sinew_test_support::rig::{CAPACITY, Joints, Rig, rigs, rigs_with_rotors};
 
 const GRAVITY: Vec3 = Vec3::new(1.3, -9.4, 2.2);
 

@@ -12,8 +12,8 @@ use sinew_core::importance::{
     descendants_length,
 };
 use sinew_core::{Body, Inertia, JointKind, Transform, Tree, math};
-use sinew_tests::cylinders::distance_integral_m3;
-use sinew_tests::property;
+use sinew_test_support::cylinders::distance_integral_m3;
+use sinew_test_support::property;
 
 /// The core's largest capacity.
 const N: usize = 128;

@@ -10,8 +10,8 @@ use sinew_core::dynamics::{
 };
 use sinew_core::glam::Vec3;
 use sinew_core::{Body, Inertia, JointKind, JointState, Transform, Twist, Wrench};
-use sinew_tests::rig::{CAPACITY, Joints, Rig, rigs_with_rotors};
-use sinew_tests::{property, reference};
+use sinew_test_support::rig::{CAPACITY, Joints, Rig, rigs_with_rotors};
+use sinew_test_support::{property, reference};
 
 const GRAVITY: Vec3 = Vec3::new(1.3, -9.4, 2.2);
 

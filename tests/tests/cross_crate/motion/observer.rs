@@ -10,7 +10,7 @@ use sinew_core::{
     Body, Inertia, JointKind, JointState, JointStates, JointTargets, StateInputError, Transform,
     Tree, Twist, Wrench, math,
 };
-use sinew_tests::property;
+use sinew_test_support::property;
 
 const DT_S: f32 = 0.002;
 

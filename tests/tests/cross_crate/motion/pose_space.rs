@@ -7,8 +7,8 @@ use sinew_core::pose_space::{
     BodyPoses, JointCoordinates, LineWorkspace, PoseCoordinates, PoseSpace, PoseSpaceError,
 };
 use sinew_core::{Body, Inertia, JointKind, Transform, Tree, Twist, math};
-use sinew_tests::property;
-use sinew_tests::rig::{CAPACITY, Coordinates, Joints, Rig, rigs};
+use sinew_test_support::property;
+use sinew_test_support::rig::{CAPACITY, Coordinates, Joints, Rig, rigs};
 
 /// Two poses of a rig, and weights.
 #[derive(Debug, Clone)]

@@ -5,10 +5,10 @@ use proptest::prelude::*;
 use sinew_core::dynamics::inverse_dynamics;
 use sinew_core::glam::Vec3;
 use sinew_core::{Twist, Wrench, dynamics::BodyMotion};
-use sinew_tests::newton_euler;
-use sinew_tests::property;
-use sinew_tests::reference;
-use sinew_tests::rig::{Joints, Rig, Shape, build, rigs};
+use sinew_test_support::newton_euler;
+use sinew_test_support::property;
+use sinew_test_support::reference;
+use sinew_test_support::rig::{Joints, Rig, Shape, build, rigs};
 
 const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 

@@ -7,11 +7,11 @@ use sinew_core::projection::{
     BodyWeight, JointRange, ManifoldProjection, ProjectionError, ProjectionWorkspace,
 };
 use sinew_core::{Body, Inertia, JointKind, Transform, Tree, math};
-use sinew_tests::nearest_pose::{self, Problem, distance};
-use sinew_tests::property;
-use sinew_tests::reference::Pose;
-use sinew_tests::rig::{CAPACITY, Coordinates, Joints, Rig, rigs};
-use sinew_tests::subtree_form::SubtreeForm;
+use sinew_test_support::nearest_pose::{self, Problem, distance};
+use sinew_test_support::property;
+use sinew_test_support::reference::Pose;
+use sinew_test_support::rig::{CAPACITY, Coordinates, Joints, Rig, rigs};
+use sinew_test_support::subtree_form::SubtreeForm;
 
 /// Bodies of the rigs whose dense problems are solved often.
 const MOST: usize = 24;

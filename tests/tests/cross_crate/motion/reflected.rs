@@ -5,8 +5,8 @@ use proptest::prelude::*;
 use sinew_core::dynamics::{BodyMotion, OuterJoints, inverse_dynamics, reflected_inertia};
 use sinew_core::glam::Vec3;
 use sinew_core::{JointState, JointStates, Twist, Wrench};
-use sinew_tests::property;
-use sinew_tests::rig::{CAPACITY, Joints, Rig, rigs_with_rotors};
+use sinew_test_support::property;
+use sinew_test_support::rig::{CAPACITY, Joints, Rig, rigs_with_rotors};
 
 /// The rig, standing still in its pose.
 fn at_rest(rig: &Rig) -> JointStates<CAPACITY> {

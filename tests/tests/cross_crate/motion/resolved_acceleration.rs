@@ -19,9 +19,9 @@ use sinew_figure::plant::MassProperties;
 use sinew_figure::plant::{
     ArticulatedPlant, Drive, JointModel, Mechanism, MovingPose, Plant, Pose, link,
 };
-use sinew_tests::property;
-use sinew_tests::reference::{self, turn};
-use sinew_tests::rig::{CAPACITY, Joints, Rig, figures, rigs};
+use sinew_test_support::property;
+use sinew_test_support::reference::{self, turn};
+use sinew_test_support::rig::{CAPACITY, Joints, Rig, figures, rigs};
 
 const KP: f32 = 200.0;
 

@@ -16,8 +16,8 @@ use sinew_core::{
     Body, Inertia, JointKind, JointState, JointTargets, RotationalInertia, TorqueController,
     Transform, Tree, Twist, Workspace, Wrench,
 };
-use sinew_tests::property;
-use sinew_tests::rig::{CAPACITY, Joints, Rig, rigs_with_rotors};
+use sinew_test_support::property;
+use sinew_test_support::rig::{CAPACITY, Joints, Rig, rigs_with_rotors};
 
 const GRAVITY: Vec3 = Vec3::new(1.3, -9.4, 2.2);
 

@@ -7,9 +7,9 @@ use sinew_core::state_error::{
     linear_compensation, local, world,
 };
 use sinew_core::{BodyState, JointState, Transform, Twist, kinematics, math};
-use sinew_tests::property;
-use sinew_tests::rig::{CAPACITY, Rig, figures};
-use sinew_tests::rounded::Rounded;
+use sinew_test_support::property;
+use sinew_test_support::rig::{CAPACITY, Rig, figures};
+use sinew_test_support::rounded::Rounded;
 use sinew_verification::rounding::{Difference, Rotation, Vector};
 
 /// Bodies of a figure that is larger than the paper's 18.

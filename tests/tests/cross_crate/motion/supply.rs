@@ -11,9 +11,9 @@ use sinew_core::{
     Body, Inertia, JointKind, JointTargets, TorqueController, Transform, Tree, Twist, Workspace,
     Wrench,
 };
-use sinew_tests::extreme::any_vector;
-use sinew_tests::property;
-use sinew_tests::rig::{CAPACITY, Joints, rigs};
+use sinew_test_support::extreme::any_vector;
+use sinew_test_support::property;
+use sinew_test_support::rig::{CAPACITY, Joints, rigs};
 
 type Torque = Limited<Wrench>;
 
@@ -264,7 +264,7 @@ fn what_no_servo_drives_takes_nothing_and_keeps_everything() {
 
 #[test]
 fn accelerations_are_cut_alike() {
-    let rig = sinew_tests::rig::rigs(8, sinew_tests::rig::Joints::Mixed);
+    let rig = sinew_test_support::rig::rigs(8, sinew_test_support::rig::Joints::Mixed);
     let mut runner = proptest::test_runner::TestRunner::new(property(100));
     runner
         .run(&(rig, 0.0_f32..1.0), |(rig, share)| {

@@ -10,7 +10,7 @@ use sinew_core::trajectory::{
 use sinew_core::{
     Body, Inertia, JointKind, JointStates, JointTargets, Trajectory, Transform, Tree, math,
 };
-use sinew_tests::property;
+use sinew_test_support::property;
 
 const DT_S: f32 = 0.01;
 

@@ -1,4 +1,4 @@
-//! What holds across Sinew's crates: the tests are in `tests/`, here is what they share.
+//! What the tests across Sinew's crates share. It is optimized, the tests that call it are not.
 //!
 //! - [`cylinders`]: surface integrals in f64, another way than the core's;
 //! - [`extreme`]: numbers at the ends of f32, and rigs and states made with them;

@@ -1,12 +1,15 @@
 //! The human figure as boards have a rig: its compact form, and shows of its coordinates.
 
+use std::error::Error;
+
+use sinew_bit_parity::replay::{METHODS, hash, ticks, tree};
 use sinew_figure::builtin;
 use sinew_figure::pipeline::{Settings, prepare};
 use sinew_figure::{BODY_COUNT, BodyModel, FigureMotion, Root};
 use sinew_rig::board::BoardRig;
 use sinew_rig::{Description, Mechanism};
 use sinew_show::write::{Motion, Settings as ShowSettings, write};
-use sinew_show::{Joint, Rate};
+use sinew_show::{Joint, Rate, Show};
 
 /// Degrees of freedom of the figure: a free root, and ball joints.
 pub const DOFS: usize = 6 + 3 * (BODY_COUNT - 1);
@@ -27,6 +30,24 @@ pub struct FigureShow {
     pub rig: Vec<u8>,
     /// The show, one sample for each frame of the clip.
     pub show: Vec<u8>,
+}
+
+impl FigureShow {
+    /// Returns a line for each method: the hash of the torques that this machine computes for the show.
+    ///
+    /// # Errors
+    /// Rig and show do not go together.
+    pub fn torque_hashes(&self) -> Result<Vec<String>, Box<dyn Error>> {
+        let (tree, show) = (tree::<BODY_COUNT, DOFS>(&self.rig)?, Show::open(&self.show)?);
+        show.check_rig(self.rig.last_chunk().copied().map_or(0, u32::from_le_bytes))?;
+        let ticks = ticks(&show);
+        let mut lines = Vec::new();
+        for method in METHODS {
+            let hash = hash::<BODY_COUNT, COORDINATES>(&tree, show, method, ticks)?;
+            lines.push(format!("method={method} ticks={ticks} hash={hash:016x}"));
+        }
+        Ok(lines)
+    }
 }
 
 /// The show that emulated boards perform: so many seconds of a built-in clip at most.
