@@ -177,12 +177,12 @@ impl Setup {
     /// The keys that differ from the default, with their values: `plant.substeps = 4`.
     pub fn differences(&self) -> Vec<String> {
         let mut lines = Vec::new();
-        differences("", &self.table(), &Self::default().table(), &mut lines);
+        differences("", &self.to_table(), &Self::default().to_table(), &mut lines);
         lines
     }
 
-    /// The setup as a TOML table: every key with its value.
-    pub(super) fn table(&self) -> toml::Table {
+    /// Returns the setup as a TOML table: every key with its value.
+    pub(super) fn to_table(&self) -> toml::Table {
         toml::Table::try_from(self).expect("every setup can be written in TOML")
     }
 

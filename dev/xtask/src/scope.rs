@@ -3,7 +3,7 @@
 /// How much is checked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Scope {
-    /// What every change must pass.
+    /// The checks that every change must pass.
     Gate,
     /// Everything but what takes an hour.
     All,

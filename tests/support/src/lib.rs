@@ -1,4 +1,5 @@
-//! What the tests across Sinew's crates share. It is optimized, the tests that call it are not.
+//! Rigs, shows and other ways to their numbers, for the tests across Sinew's crates. They are a crate of their own so
+//! that they are optimized: the tests that call them are not, and compile in a fraction of the time.
 //!
 //! - [`cylinders`]: surface integrals in f64, another way than the core's;
 //! - [`extreme`]: numbers at the ends of f32, and rigs and states made with them;

@@ -29,7 +29,8 @@ pub struct SweepFile {
 pub struct Cell {
     /// The setup.
     pub setup: Setup,
-    /// The same in TOML, with every key: equal for equal setups.
+    /// The setup in TOML, with every key: equal for equal setups. Journals have its hash: another order of keys, and no
+    /// sweep that was begun before goes on.
     pub key: String,
 }
 
@@ -97,7 +98,7 @@ impl SweepFile {
                     };
                     SweepError::Setup { file: file(), place, source }
                 })?;
-                let key = setup.table().to_string();
+                let key = toml::to_string(&setup).expect("every setup can be written in TOML");
                 if keys.insert(key.clone()) {
                     cells.push(Cell { setup, key });
                 } else {

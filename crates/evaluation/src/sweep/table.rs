@@ -162,12 +162,12 @@ fn leaf(errors: &Errors) -> [f64; 4] {
 /// Every key of the setups, constant or not: a table says all about its rows. Subjects by their name.
 fn setup_columns(rows: &[Row<'_>]) -> Vec<Column> {
     let mut template = Vec::new();
-    flatten("", &Setup::default().table(), &mut template);
+    flatten("", &Setup::default().to_table(), &mut template);
     let flat: Vec<Vec<(String, toml::Value)>> = rows
         .iter()
         .map(|row| {
             let mut values = Vec::new();
-            let mut table = row.setup.table();
+            let mut table = row.setup.to_table();
             table.remove("subject");
             flatten("", &table, &mut values);
             values
