@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 use std::process::Command;
-use std::{env, fs};
+use std::{env, fs, thread};
 
 use anyhow::Result;
 use sinew_steps::step;
@@ -42,6 +42,12 @@ pub(crate) fn without_untested() -> [String; UNTESTED.len()] {
 /// Builds and lints all tests, and with them the programs and examples of the very same crates.
 pub(crate) fn build() -> Result<()> {
     step::run("build and lint the tests", run()?.args(["--no-run", "--cargo-quiet"]))
+}
+
+/// Returns how many tests run at a time: one more than there are cores, since some tests wait for programs that they
+/// have started.
+pub(crate) fn threads() -> usize {
+    thread::available_parallelism().map_or(1, usize::from) + 1
 }
 
 /// Returns the path of a program that [`build`] has made: where cargo has put this one.

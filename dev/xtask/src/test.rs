@@ -85,6 +85,7 @@ fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
 
     let mut tests = nextest::run()?;
     tests
+        .args(["--test-threads", &nextest::threads().to_string()])
         .env("INSTA_UPDATE", "no")
         // The same random cases in every run, so that what fails here was changed here. Plain `cargo test` draws new
         // ones, but for the core's: this is their seed, too (`property` in tests/support).

@@ -2,6 +2,8 @@
 //! `whole_loop`.
 
 use std::collections::BTreeMap;
+use std::panic::resume_unwind;
+use std::thread;
 
 use anyhow::{Context, Result, bail, ensure};
 use sinew_image::EMULATED;
@@ -121,9 +123,15 @@ pub(crate) struct Kernel {
     worst: u64,
 }
 
-/// Measures all images.
+/// Measures all images, side by side: each QEMU has one core.
 pub(crate) fn measure() -> Result<Vec<Kernels>> {
-    MEASURED.iter().map(Measured::kernels).collect()
+    thread::scope(|scope| {
+        let measuring = MEASURED.each_ref().map(|measured| scope.spawn(|| measured.kernels()));
+        measuring
+            .map(|image| image.join().unwrap_or_else(|panic| resume_unwind(panic)))
+            .into_iter()
+            .collect()
+    })
 }
 
 impl Measured {
