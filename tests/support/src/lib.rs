@@ -10,7 +10,7 @@
 //! - [`subtree_form`]: the other way to look for it, which the core's is compared with;
 //! - [`rig`]: random trees of all joint kinds, and random states of them;
 //! - [`rounded`]: rigs and motions with their rounding, for limits that follow from it;
-//! - [`reference`]: their dynamics in f64 from nothing but poses, independent of the core's recursions.
+//! - [`mod@reference`]: their dynamics in f64 from nothing but poses, independent of the core's recursions.
 
 pub mod cylinders;
 pub mod extreme;
