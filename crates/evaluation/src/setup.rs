@@ -181,6 +181,12 @@ impl Setup {
         lines
     }
 
+    /// Returns the setup as TOML, every key with its value: equal for equal setups. Journals of sweeps have its hash:
+    /// another order of keys, and no sweep that was begun before goes on.
+    pub(super) fn to_toml(&self) -> String {
+        toml::to_string(self).expect("every setup can be written in TOML")
+    }
+
     /// Returns the setup as a TOML table: every key with its value.
     pub(super) fn to_table(&self) -> toml::Table {
         toml::Table::try_from(self).expect("every setup can be written in TOML")

@@ -1,5 +1,5 @@
 //! The command `sinew` as a process.
-#![allow(dead_code, reason = "each program of tests uses a part")]
+#![expect(dead_code, reason = "each program of tests uses a part")]
 
 use std::path::Path;
 use std::process::{Command, Output};

@@ -29,8 +29,7 @@ pub struct SweepFile {
 pub struct Cell {
     /// The setup.
     pub setup: Setup,
-    /// The setup in TOML, with every key: equal for equal setups. Journals have its hash: another order of keys, and no
-    /// sweep that was begun before goes on.
+    /// [`Setup::to_toml`].
     pub key: String,
 }
 
@@ -98,7 +97,7 @@ impl SweepFile {
                     };
                     SweepError::Setup { file: file(), place, source }
                 })?;
-                let key = toml::to_string(&setup).expect("every setup can be written in TOML");
+                let key = setup.to_toml();
                 if keys.insert(key.clone()) {
                     cells.push(Cell { setup, key });
                 } else {

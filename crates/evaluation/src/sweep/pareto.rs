@@ -17,7 +17,7 @@ pub struct ParetoFront {
 /// What is controlled, as text: of a setup all but its controller. Only rows of the same task can be compared.
 pub(super) fn task(setup: &Setup) -> String {
     let task = Setup { controller: ControllerSettings::default(), ..setup.clone() };
-    toml::to_string(&task).expect("every setup can be written in TOML")
+    task.to_toml()
 }
 
 /// Mean angular and mean linear error of all joints.

@@ -123,7 +123,7 @@ pub(crate) struct Kernel {
     worst: u64,
 }
 
-/// Measures all images, side by side: each QEMU has one core.
+/// Measures all images, side by side: a QEMU uses one core.
 pub(crate) fn measure() -> Result<Vec<Kernels>> {
     thread::scope(|scope| {
         let measuring = MEASURED.each_ref().map(|measured| scope.spawn(|| measured.kernels()));
