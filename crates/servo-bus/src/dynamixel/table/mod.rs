@@ -33,6 +33,27 @@ pub(crate) const fn of_all(address: u16) -> (Only, Item) {
     panic!("no item begins at this address");
 }
 
+/// The address behind the last item.
+const END: usize = match ITEMS {
+    [.., (_, last)] => last.end() as usize,
+    [] => 0,
+};
+
+/// How many items end before each address: none of them is looked at.
+#[expect(clippy::indexing_slicing, reason = "at build time")]
+const BEFORE: [u8; END] = {
+    let mut before = [0; END];
+    let (mut address, mut items) = (0, 0_u8);
+    while address < END {
+        while ITEMS[items as usize].1.end() as usize <= address {
+            items += 1;
+        }
+        before[address] = items;
+        address += 1;
+    }
+    before
+};
+
 /// The control table of a model with a firmware.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Table {
@@ -76,15 +97,17 @@ impl Table {
 
     /// The item that has this address.
     pub fn at(&self, address: u16) -> Option<Item> {
-        // A simulated servo asks this for all that it reads of itself, again and again: only items that can have the
-        // address are looked at.
-        let before = ITEMS.partition_point(|(_, item)| item.end() <= address);
-        ITEMS
-            .iter()
-            .skip(before)
-            .take_while(|(_, item)| item.address <= address)
-            .find_map(|(only, item)| self.own(*only, item))
-            .or_else(|| self.indirect_item(address))
+        let item = self.common(address).map(|item| self.adapted(*item));
+        item.or_else(|| self.indirect_item(address))
+    }
+
+    /// Returns the item that has this address, as all models have it that do: size and sign are those of this one, too.
+    ///
+    /// A simulated servo asks this for all that it reads of itself, again and again.
+    pub(super) fn common(&self, address: u16) -> Option<&'static Item> {
+        let before = BEFORE.get(usize::from(address)).copied().map(usize::from)?;
+        let mut items = ITEMS.get(before..)?.iter().take_while(|(_, item)| item.address <= address);
+        items.find(|(only, _)| self.has(*only)).map(|(_, item)| item)
     }
 
     /// The item of this name, as the maker writes it; case and what separates words do not matter.
