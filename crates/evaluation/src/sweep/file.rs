@@ -29,7 +29,7 @@ pub struct SweepFile {
 pub struct Cell {
     /// The setup.
     pub setup: Setup,
-    /// [`Setup::to_toml`].
+    /// `Setup::to_toml`.
     pub key: String,
 }
 
