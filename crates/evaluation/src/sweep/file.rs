@@ -29,7 +29,7 @@ pub struct SweepFile {
 pub struct Cell {
     /// The setup.
     pub setup: Setup,
-    /// `Setup::to_toml`.
+    /// The setup as TOML, every key with its value: equal for equal setups.
     pub key: String,
 }
 

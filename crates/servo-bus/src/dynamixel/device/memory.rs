@@ -32,18 +32,14 @@ impl<'m> Memory<'m> {
 
     /// The number that an item holds; 0 if the servo has no item there.
     pub fn get(&self, address: u16) -> i32 {
-        if let Some(item) = self.table.common(address) {
-            return self.value(item);
-        }
         self.table.at(address).map_or(0, |item| self.value(&item))
     }
 
     /// Sets an item, without asking whether a controller could. What does not fit in it is cut off.
     pub fn set(&mut self, address: u16, value: i32) {
-        if let Some(item) = self.table.common(address) {
-            self.put_value(item, value);
-        } else if let Some(item) = self.table.at(address) {
-            self.put_value(&item, value);
+        if let Some(item) = self.table.at(address) {
+            let bytes = item.bytes(value, ByteOrder::Little);
+            self.put(item.address, bytes.get(..usize::from(item.size)).unwrap_or_default());
         }
     }
 
@@ -174,11 +170,6 @@ impl<'m> Memory<'m> {
     fn value(&self, item: &Item) -> i32 {
         let bytes = self.bytes.get(item.address.into()..).unwrap_or_default();
         item.value(bytes, ByteOrder::Little)
-    }
-
-    fn put_value(&mut self, item: &Item, value: i32) {
-        let bytes = item.bytes(value, ByteOrder::Little);
-        self.put(item.address, bytes.get(..usize::from(item.size)).unwrap_or_default());
     }
 
     /// Where a byte is kept: elsewhere, if it is indirect data.

@@ -39,7 +39,8 @@ const END: usize = match ITEMS {
     [] => 0,
 };
 
-/// How many items end before each address: none of them is looked at.
+/// How many items end before each address. Counted at build time: else a simulated servo searches for it at each
+/// register that it reads of itself.
 #[expect(clippy::indexing_slicing, reason = "at build time")]
 const BEFORE: [u8; END] = {
     let mut before = [0; END];
@@ -97,17 +98,15 @@ impl Table {
 
     /// The item that has this address.
     pub fn at(&self, address: u16) -> Option<Item> {
-        let item = self.common(address).map(|item| self.adapted(*item));
-        item.or_else(|| self.indirect_item(address))
-    }
-
-    /// Returns the item that has this address, as all models have it that do: size and sign are those of this one, too.
-    ///
-    /// A simulated servo asks this for all that it reads of itself, again and again.
-    pub(super) fn common(&self, address: u16) -> Option<&'static Item> {
-        let before = BEFORE.get(usize::from(address)).copied().map(usize::from)?;
-        let mut items = ITEMS.get(before..)?.iter().take_while(|(_, item)| item.address <= address);
-        items.find(|(only, _)| self.has(*only)).map(|(_, item)| item)
+        // A simulated servo asks this for all that it reads of itself, again and again: only items that can have the
+        // address are looked at.
+        let before = BEFORE.get(usize::from(address)).map_or(ITEMS.len(), |count| (*count).into());
+        ITEMS
+            .iter()
+            .skip(before)
+            .take_while(|(_, item)| item.address <= address)
+            .find_map(|(only, item)| self.own(*only, item))
+            .or_else(|| self.indirect_item(address))
     }
 
     /// The item of this name, as the maker writes it; case and what separates words do not matter.
