@@ -21,6 +21,7 @@ use crate::number::single;
 
 pub use finding::KG_M2_PER_G_MM2;
 pub use gain::largest_stable_angle;
+pub(crate) use gravity::spread;
 pub use gravity::{WorstLoad, holding_effort, worst_load};
 pub use reach::reach_m;
 pub use results::{
@@ -125,7 +126,7 @@ fn slides(link: &Link, axis: usize) -> bool {
 }
 
 /// Inertia along one dof, in the home pose.
-fn along(inertia: &ReflectedInertia, link: &Link, axis: usize) -> f64 {
+pub(crate) fn along(inertia: &ReflectedInertia, link: &Link, axis: usize) -> f64 {
     if slides(link, axis) {
         return f64::from(inertia.linear_kg);
     }
