@@ -90,8 +90,7 @@ impl Bandwidth {
         }
         let load_kg_m2 = load_inertia_kg_m2.max(rotor_inertia_kg_m2);
         let share = 1.0 + rotor_inertia_kg_m2 / load_kg_m2;
-        let rad_s =
-            RESONANCE_SHARE * math::sqrt(stiffness_nm_rad / rotor_inertia_kg_m2 * share);
+        let rad_s = RESONANCE_SHARE * math::sqrt(stiffness_nm_rad / rotor_inertia_kg_m2 * share);
         let tick = 1.0 / dt_s;
         Ok(if tick <= rad_s.min(WIDEST_RAD_S) {
             Self { rad_s: tick, reason: BandwidthReason::Tick }

@@ -106,8 +106,7 @@ impl<const N: usize> Rest<N> {
             } else {
                 let turn = math::log(math::turn_in_body(state.pose.rotation, target.pose.rotation));
                 let off = math::length(turn);
-                nearer.pose.rotation =
-                    state.pose.rotation * math::exp(turn * beyond(off, zone));
+                nearer.pose.rotation = state.pose.rotation * math::exp(turn * beyond(off, zone));
                 off
             };
             if off <= zone && *open >= 1.0 {
