@@ -326,7 +326,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
             return Err(StepError::Frame(error));
         }
         let (targets, w) = (self.desired.targets_mut(), &mut self.workspace);
-        self.rest.apply(tree, targets, self.estimate.states());
+        self.rest.apply(tree, self.controller.gains(), targets, self.estimate.states());
         self.estimate.compensate(targets);
         let states = self.estimate.states();
         self.controller.tick(targets, states, &[], w);

@@ -1,8 +1,10 @@
 //! Joints at rest: small errors of a target that stands are left alone.
 
+use crate::control::Gains;
 use crate::joint_states::JointStates;
 use crate::joint_targets::JointTargets;
 use crate::math;
+use crate::transform::Twist;
 use crate::tree::Tree;
 
 /// A target that is slower than this stands, rad/s; of slides this is in units of 0.1 m/s.
@@ -60,11 +62,14 @@ impl<const N: usize> Rest<N> {
         self.is_set && self.open.get(joint).is_some_and(|open| *open >= WITHIN)
     }
 
-    /// Takes off the targets what is within the zones. O(n).
+    /// Takes off the targets' accelerations what the gains make of the errors within the zones. O(n).
+    ///
+    /// The targets' poses stay: drives and reports see the whole error.
     #[inline(never)]
     pub(super) fn apply(
         &mut self,
         tree: &Tree<N>,
+        gains: &[Gains],
         targets: &mut JointTargets<N>,
         states: &JointStates<N>,
     ) {
@@ -73,20 +78,14 @@ impl<const N: usize> Rest<N> {
         }
         let joints = tree.bodies().iter().zip(states.as_slice());
         let zones = self.radii.iter().zip(&mut self.open);
-        for (joint, ((body, state), (radius, open))) in joints.zip(zones).enumerate() {
-            let (Some(target), Some(acceleration)) =
-                (targets.states().get(joint).copied(), targets.accelerations().get(joint).copied())
-            else {
-                return;
-            };
+        for (joint, (((body, state), (radius, open)), gains)) in
+            joints.zip(zones).zip(gains).enumerate()
+        {
+            let Some(target) = targets.states().get(joint) else { return };
             if *radius <= 0.0 {
                 continue;
             }
-            let speed = |velocity: crate::Twist| {
-                math::length(velocity.angular) + SLIDE_RAD_M * math::length(velocity.linear)
-            };
-            let stands =
-                speed(target.velocity) < STANDS_RAD_S && speed(state.velocity) < GLIDES_RAD_S;
+            let stands = speed(target.velocity) < STANDS_RAD_S && speed(state.velocity) < GLIDES_RAD_S;
             let was = open.min(1.0);
             *open = if stands {
                 (was + self.dt_s / OPENS_S).min(1.0)
@@ -97,28 +96,31 @@ impl<const N: usize> Rest<N> {
                 continue;
             }
             let zone = *radius * *open;
-            let mut nearer = target;
-            let off = if body.joint.slides() {
+            let slides = body.joint.slides();
+            let off = if slides {
+                // A target's linear acceleration is a vector of the parent's frame, in the axes of the desired pose.
                 let way = target.pose.translation_m - state.pose.translation_m;
-                let off = math::length(way);
-                nearer.pose.translation_m = state.pose.translation_m + way * beyond(off, zone);
-                off
+                target.pose.rotation.conjugate() * way
             } else {
-                let turn = math::log(math::turn_in_body(state.pose.rotation, target.pose.rotation));
-                let off = math::length(turn);
-                nearer.pose.rotation = state.pose.rotation * math::exp(turn * beyond(off, zone));
-                off
+                math::log(math::turn_in_body(state.pose.rotation, target.pose.rotation))
             };
-            if off <= zone && *open >= 1.0 {
+            let size = math::length(off);
+            let within = if size > zone { off * (zone / size) } else { off };
+            let mut against = Twist::ZERO;
+            if slides {
+                against.linear = within * -gains.linear_kp();
+            } else {
+                against.angular = within * -gains.kp();
+            }
+            if size <= zone && *open >= 1.0 {
                 *open = WITHIN;
             }
-            // States and targets are finite, with unit rotations.
-            let _ = targets.put(joint, nearer, acceleration);
+            targets.add_acceleration(joint, against);
         }
     }
 }
 
-/// The share of an error that lies beyond a zone.
-fn beyond(off: f32, zone: f32) -> f32 {
-    if off > zone { (off - zone) / off } else { 0.0 }
+/// The size of a velocity, rad/s.
+fn speed(velocity: Twist) -> f32 {
+    math::length(velocity.angular) + SLIDE_RAD_M * math::length(velocity.linear)
 }
