@@ -64,7 +64,7 @@ struct Ripple {
     largest_step: f64,
     /// Root mean square of the speed round that which was asked for, deg/s.
     speed_deg_s: f64,
-    /// Root mean square of what the gear's torque changes by in a millisecond, mN m: what one hears.
+    /// Root mean square of what the torque at the shaft changes by in a millisecond, mN m: what one hears.
     buzz_mnm: f64,
 }
 

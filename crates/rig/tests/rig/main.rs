@@ -7,5 +7,6 @@ mod golden;
 mod import_data;
 mod mjcf;
 mod mutations;
+mod new_arm;
 mod servo_models;
 mod urdf;

@@ -395,8 +395,7 @@ fn friction_at_shafts_holds_a_rig() {
     assert!(!limp(&description, &mut [[0; MEMORY_LEN]; 6], |_| ()).plant.push(6, 1.0));
 }
 
-/// Neighbours that swing shake a joint that friction holds: it gives way while friction grows, by less than an
-/// encoder step in 20 s.
+/// Neighbours that swing shake a joint that friction holds: it does not wander off.
 #[test]
 fn friction_at_shafts_holds_beside_what_swings() {
     let description = arm(3).unwrap();
@@ -404,7 +403,7 @@ fn friction_at_shafts_holds_beside_what_swings() {
     // All friction is at the shaft, and more than the neighbour shakes with.
     let mut bench = limp(&description, &mut memory, |kind| {
         kind.output_friction_share = 1.0;
-        kind.friction_nm = 0.05;
+        kind.friction_nm = 0.08;
     });
     let begin = bench.plant.q[2];
     bench.plant.push(2, 0.02);
@@ -421,7 +420,8 @@ fn friction_at_shafts_holds_beside_what_swings() {
     }
     println!("{swung} rad/s: {after:?} rad");
     assert!(swung > 0.5, "{swung}");
-    assert!(after[3] < 0.2 * 0.0015, "{after:?}");
+    // What began to push it moved it; 60 swings add next to nothing.
+    assert!(after[0] < 5e-5 && (after[3] - after[0]).abs() < 1e-7, "{after:?}");
 }
 
 /// Strong servos on bodies of almost nothing, against each other and the stops, by full and changing PWM.
