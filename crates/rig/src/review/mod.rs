@@ -4,6 +4,7 @@
 //! Collisions are out of scope.
 
 mod finding;
+mod flexible_joint;
 mod gain;
 mod gravity;
 mod reach;
@@ -20,6 +21,7 @@ use crate::mechanism::{BODY_COUNT_MAX, JointModel, Link, Mechanism};
 use crate::number::single;
 
 pub use finding::KG_M2_PER_G_MM2;
+pub use flexible_joint::{ControlLoop, FlexibleJoint, Margins, Stability};
 pub use gain::largest_stable_angle;
 pub use gravity::{WorstLoad, holding_effort, worst_load};
 pub use reach::reach_m;
