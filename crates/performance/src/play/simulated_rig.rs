@@ -254,6 +254,11 @@ impl SimulatedRig<'_, RigPlant> {
         self.lines[0].servos.bench_mut().plant.lead(dof, hand)
     }
 
+    /// Pushes a dof from outside, N m or N, until it is told otherwise. See [`RigPlant::push`].
+    pub fn push(&mut self, dof: usize, torque_nm: f64) -> bool {
+        self.lines[0].servos.bench_mut().plant.push(dof, torque_nm)
+    }
+
     /// Where the simulated rig is, in its coordinates.
     pub fn q(&self) -> Vec<f64> {
         self.lines[0].servos.bench().plant.q().to_vec()

@@ -90,10 +90,62 @@ pub struct ServoModel {
     pub thermal_time_s: SourcedValue,
     /// Temperature at which it shuts down, °C.
     pub shutdown_c: SourcedValue,
+    /// Stiffness of the gear between rotor and output, N m/rad; see [`Self::gear_stiffness`].
+    pub gear_stiffness_nm_rad: Option<SourcedValue>,
+    /// Damping of the gear between rotor and output, N m s; see [`Self::gear_damping`].
+    pub gear_damping_nm_s: Option<SourcedValue>,
+    /// Part of the Coulomb friction that is at the output, 0 to 1; see [`Self::output_friction_share`].
+    pub output_friction_share: Option<SourcedValue>,
 }
 
+/// How far a gear winds up at stall torque, rad.
+const WINDUP_RAD: f64 = 0.0175;
+/// Damping of a gear, as a part of the critical one.
+const DAMPING_RATIO: f64 = 0.3;
+/// Part of the friction that is at the output.
+const OUTPUT_SHARE: f64 = 0.3;
+
 impl ServoModel {
-    /// All values, each with its key.
+    /// Returns the stiffness of the gear between rotor and output, N m/rad. Without a value of its own the gear winds
+    /// up by 0.0175 rad, 1 deg, at stall torque.
+    pub fn gear_stiffness(&self) -> f64 {
+        let given = self.gear_stiffness_nm_rad.as_ref();
+        given.map_or(self.stall_torque_nm.value / WINDUP_RAD, |given| given.value)
+    }
+
+    /// Returns the damping of the gear between rotor and output, N m s. Without a value of its own it is 0.3 of the
+    /// critical damping between the rotor and a load of the rotor's inertia J: `2 * 0.3 * sqrt(stiffness * J / 2)`.
+    pub fn gear_damping(&self) -> f64 {
+        self.gear_damping_nm_s.as_ref().map_or_else(
+            || {
+                let both_kg_m2 = 0.5 * self.rotor_inertia_kg_m2.value;
+                2.0 * DAMPING_RATIO * (self.gear_stiffness() * both_kg_m2).sqrt()
+            },
+            |given| given.value,
+        )
+    }
+
+    /// Returns the part of the Coulomb friction that is at the output shaft, after the gear; the rest is at the rotor.
+    /// Without a value of its own it is 0.3.
+    pub fn output_friction_share(&self) -> f64 {
+        self.output_friction_share.as_ref().map_or(OUTPUT_SHARE, |given| given.value)
+    }
+
+    /// Returns how far the output turns from the middle of the gear's play to an end of it, rad.
+    pub fn half_play_rad(&self) -> f64 {
+        0.5 * self.backlash_rad.value
+    }
+
+    /// Returns the values that a kind may leave out, each with its key.
+    pub(crate) fn optional_values_mut(&mut self) -> [(&'static str, &mut Option<SourcedValue>); 3] {
+        [
+            ("gear_stiffness_nm_rad", &mut self.gear_stiffness_nm_rad),
+            ("gear_damping_nm_s", &mut self.gear_damping_nm_s),
+            ("output_friction_share", &mut self.output_friction_share),
+        ]
+    }
+
+    /// Returns the values that every kind has, each with its key.
     pub(crate) fn values_mut(&mut self) -> [(&'static str, &mut SourcedValue); 16] {
         [
             ("voltage_v", &mut self.voltage_v),

@@ -3,7 +3,7 @@
 use super::error::Step;
 
 /// Ends of keys, the longer first, and how people write the unit.
-const UNITS: [(&str, &str); 13] = [
+const UNITS: [(&str, &str); 15] = [
     // Pairs of both.
     ("_deg_m", ""),
     ("_kg_m2", "kg m²"),
@@ -12,6 +12,8 @@ const UNITS: [(&str, &str); 13] = [
     ("_deg", "deg"),
     ("_m_s2", "m/s²"),
     ("_m_s", "m/s"),
+    ("_nm_rad", "N m/rad"),
+    ("_nm_s", "N m s"),
     ("_kg", "kg"),
     ("_nm", "N m"),
     ("_v", "V"),

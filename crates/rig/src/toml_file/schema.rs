@@ -218,6 +218,9 @@ fn servo_model<V: Visitor>(model: &mut ServoModel, v: &mut V) -> Result<(), V::E
     for (key, value) in model.values_mut() {
         v.inline(key, value, sourced)?;
     }
+    for (key, value) in model.optional_values_mut() {
+        v.optional_inline(key, value, sourced)?;
+    }
     Ok(())
 }
 

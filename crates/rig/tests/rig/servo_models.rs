@@ -8,7 +8,7 @@ use sinew_rig::description::{ServoModel, SourcedValue};
 type Value = fn(&ServoModel) -> &SourcedValue;
 
 /// Each value: what it is, its unit, and how.
-const VALUES: [(&str, &str, Value); 16] = [
+const VALUES: [(&str, &str, Value); 19] = [
     ("voltage", "V", |m| &m.voltage_v),
     ("torque constant", "N m/A", |m| &m.torque_constant_nm_a),
     ("stall torque", "N m", |m| &m.stall_torque_nm),
@@ -21,6 +21,9 @@ const VALUES: [(&str, &str, Value); 16] = [
     ("viscous friction", "N m s", |m| &m.damping_nm_s),
     ("resolution", "rad", |m| &m.resolution_rad),
     ("backlash, end to end", "rad", |m| &m.backlash_rad),
+    ("gear stiffness", "N m/rad", |m| m.gear_stiffness_nm_rad.as_ref().expect("it has one")),
+    ("gear damping", "N m s", |m| m.gear_damping_nm_s.as_ref().expect("it has one")),
+    ("friction at the output", "1", |m| m.output_friction_share.as_ref().expect("it has one")),
     ("range, end to end", "rad", |m| &m.range_rad),
     ("thermal resistance", "K/W", |m| &m.thermal_resistance_k_w),
     ("thermal time constant", "s", |m| &m.thermal_time_s),
@@ -76,6 +79,32 @@ fn every_value_is_plausible_and_says_where_it_is_from() {
         assert!(value(|m| &m.backlash_rad) < 0.05 && value(|m| &m.resolution_rad) < 0.02, "{name}");
         assert!((1.0..6.3).contains(&value(|m| &m.range_rad)), "{name}");
         assert!((50.0..100.0).contains(&value(|m| &m.shutdown_c)), "{name}");
+    }
+}
+
+/// What nobody has measured is what a kind has that says nothing.
+#[test]
+fn guesses_of_gears_are_the_defaults() {
+    for model in models() {
+        let silent = ServoModel {
+            gear_stiffness_nm_rad: None,
+            gear_damping_nm_s: None,
+            output_friction_share: None,
+            ..model.clone()
+        };
+        for (of, guessed, default) in [
+            (&model.gear_stiffness_nm_rad, model.gear_stiffness(), silent.gear_stiffness()),
+            (&model.gear_damping_nm_s, model.gear_damping(), silent.gear_damping()),
+            (
+                &model.output_friction_share,
+                model.output_friction_share(),
+                silent.output_friction_share(),
+            ),
+        ] {
+            // The files have three digits or more.
+            let is_guess = of.as_ref().is_some_and(SourcedValue::is_guess);
+            assert!(!is_guess || (guessed / default - 1.0).abs() < 5e-3, "{}", model.name);
+        }
     }
 }
 

@@ -4,15 +4,12 @@ use super::Parameters;
 use super::motor::Characteristic;
 use crate::load::{Load, Shaft};
 
-/// Part of the critical damping that a gear has between its ends.
-const GEAR_DAMPING: f64 = 0.3;
-
 /// Where torque and power went in a step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Flow {
     /// Torque of the motor, before friction, N m.
     pub motor_nm: f64,
-    /// Torque of the gear on the shaft, N m.
+    /// Torque of the shaft on what hangs on it: that of the gear less the friction at the shaft, N m.
     pub shaft_nm: f64,
     /// Power lost by friction and in the gear's own damping, W.
     pub friction_w: f64,
@@ -20,11 +17,12 @@ pub struct Flow {
 
 /// Two masses with play between them: the rotor, as the gear shows it at the output, and what hangs on the shaft.
 ///
-/// Friction acts on the rotor: Coulomb with a Stribeck rise at rest, viscous, and in proportion to the torques of the
-/// motor and of the shaft (Rhoban/bam, models m1 to m4; their Stribeck exponent is 2 here).
+/// Coulomb friction, its Stribeck rise at rest and what grows in proportion to the torques of motor and shaft
+/// (Rhoban/bam, models m1 to m4; their Stribeck exponent is 2 here) act on both ends: a share on the shaft, by the
+/// shaft's speed, the rest on the rotor, by the rotor's. Viscous friction is the rotor's.
 ///
-/// A step is implicit Euler in the speeds, with friction at rest exact: it holds as long as it can. So it is stable for
-/// any stiffness, and takes energy out, never in.
+/// A step is implicit Euler in the speeds, with friction at rest exact at both ends: it holds as long as it can. So it
+/// is stable for any stiffness, and takes energy out, never in.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gear {
     inertia_kg_m2: f64,
@@ -35,6 +33,8 @@ pub struct Gear {
     damping_nm_s: f64,
     half_play_rad: f64,
     stiffness_nm_rad: f64,
+    link_damping_nm_s: f64,
+    output_share: f64,
     /// The rotor, at the output.
     pub rotor: Shaft,
     /// The output shaft.
@@ -56,6 +56,8 @@ impl Gear {
             damping_nm_s: parameters.damping_nm_s,
             half_play_rad: 0.5 * parameters.backlash_rad,
             stiffness_nm_rad: parameters.gear_stiffness_nm_rad,
+            link_damping_nm_s: parameters.gear_damping_nm_s,
+            output_share: parameters.output_friction_share,
             rotor: Shaft::default(),
             shaft: Shaft::default(),
             is_jammed: false,
@@ -89,45 +91,45 @@ impl Gear {
         twist - twist.clamp(-self.half_play_rad, self.half_play_rad)
     }
 
-    /// The most that friction takes, N m.
-    fn most_friction_nm(&self) -> f64 {
-        if self.is_jammed {
-            return f64::INFINITY;
-        }
-        let rise = if self.stribeck_nm > 0.0 {
-            let ratio = self.rotor.velocity_rad_s / self.stribeck_rad_s;
-            self.stribeck_nm * libm::exp(-ratio * ratio)
-        } else {
-            0.0
-        };
+    /// The most that friction takes at the rotor and at the shaft, N m.
+    fn most_friction_nm(&self) -> [f64; 2] {
         let load_nm = self.flow.motor_nm.abs() + self.flow.shaft_nm.abs();
-        self.friction_nm + rise + self.load_friction * load_nm
+        let at = |end: Shaft| {
+            let rise = if self.stribeck_nm > 0.0 {
+                let ratio = end.velocity_rad_s / self.stribeck_rad_s;
+                self.stribeck_nm * libm::exp(-ratio * ratio)
+            } else {
+                0.0
+            };
+            self.friction_nm + rise + self.load_friction * load_nm
+        };
+        let rotor_nm =
+            if self.is_jammed { f64::INFINITY } else { (1.0 - self.output_share) * at(self.rotor) };
+        [rotor_nm, self.output_share * at(self.shaft)]
     }
 
     pub(crate) fn step(&mut self, dt_s: f64, motor: Characteristic, load: &impl Load) {
         let load_kg_m2 = load.inertia_kg_m2();
         let outer_nm = load.torque_nm(self.shaft);
         let windup = self.windup_rad();
-        let (rotor, shaft, gear_nm, friction_nm) = if windup == 0.0 {
-            self.solve(dt_s, motor, (load_kg_m2, outer_nm), windup, 0.0)
+        let after = if windup == 0.0 {
+            self.solve(dt_s, motor, (load_kg_m2, outer_nm), windup)
         } else {
-            let both = self.inertia_kg_m2 * load_kg_m2 / (self.inertia_kg_m2 + load_kg_m2);
-            let damping = 2.0 * GEAR_DAMPING * libm::sqrt(self.stiffness_nm_rad * both);
-            let touching = self.solve(dt_s, motor, (load_kg_m2, outer_nm), windup, damping);
+            let touching = self.solve(dt_s, motor, (load_kg_m2, outer_nm), windup);
             // Teeth push; they do not pull.
-            if touching.2 * windup >= 0.0 {
+            if touching.gear_nm * windup >= 0.0 {
                 touching
             } else {
-                self.solve(dt_s, motor, (load_kg_m2, outer_nm), 0.0, 0.0)
+                self.solve(dt_s, motor, (load_kg_m2, outer_nm), 0.0)
             }
         };
-        let motor_nm = motor.nm - motor.nm_s * rotor;
-        let rubbing_w = (friction_nm + self.damping_nm_s * rotor) * rotor;
+        let After { speeds_rad_s: [rotor, shaft], gear_nm, frictions_nm } = after;
+        let rubbing_w = (frictions_nm[0] + self.damping_nm_s * rotor) * rotor;
         let stored_w = self.stiffness_nm_rad * windup * (rotor - shaft);
         self.flow = Flow {
-            motor_nm,
-            shaft_nm: gear_nm,
-            friction_w: rubbing_w + gear_nm * (rotor - shaft) - stored_w,
+            motor_nm: motor.nm - motor.nm_s * rotor,
+            shaft_nm: gear_nm - frictions_nm[1],
+            friction_w: rubbing_w + frictions_nm[1] * shaft + gear_nm * (rotor - shaft) - stored_w,
         };
         self.rotor.velocity_rad_s = rotor;
         self.rotor.position_rad += dt_s * rotor;
@@ -135,36 +137,69 @@ impl Gear {
         self.shaft.position_rad += dt_s * shaft;
     }
 
-    /// Both speeds after a step, the torque between the ends, and that of dry friction.
+    /// Solves a step, with the ends linked unless the windup is zero.
     ///
-    /// With h the step: (Jr/h + s + b + c) r - c q = Jr/h r0 + m - K u - f and (Jl/h + c) q - c r = Jl/h q0 + K u + e,
-    /// where K u + c (r - q) is the gear's torque, and f stops the rotor if it can.
+    /// With h the step: (Jr/h + s + b + c) r - c q = Jr/h r0 + m - K u - f and (Jl/h + c) q - c r = Jl/h q0 + K u + e - g,
+    /// where K u + c (r - q) is the gear's torque; f and g stop the ends if they can, else oppose them. The matrix is
+    /// positive definite, so there is one solution: the shaft turns forwards, backwards, or stands.
     fn solve(
         &self,
         dt_s: f64,
         motor: Characteristic,
         (load_kg_m2, outer_nm): (f64, f64),
         windup_rad: f64,
-        damping_nm_s: f64,
-    ) -> (f64, f64, f64, f64) {
+    ) -> After {
         let spring_nm = self.stiffness_nm_rad * windup_rad;
-        let link =
-            if windup_rad == 0.0 { 0.0 } else { self.stiffness_nm_rad * dt_s + damping_nm_s };
+        let link = if windup_rad == 0.0 {
+            0.0
+        } else {
+            self.stiffness_nm_rad * dt_s + self.link_damping_nm_s
+        };
         let rotor_h = self.inertia_kg_m2 / dt_s;
         let load_h = load_kg_m2 / dt_s;
         let a = rotor_h + motor.nm_s + self.damping_nm_s + link;
         let b = load_h + link;
         let to_rotor = rotor_h * self.rotor.velocity_rad_s + motor.nm - spring_nm;
         let to_load = load_h * self.shaft.velocity_rad_s + spring_nm + outer_nm;
-        let determinant = a * b - link * link;
-        let free = (to_rotor * b + link * to_load) / determinant;
-        let per_friction = b / determinant;
-        let most = self.most_friction_nm();
-        let friction_nm = (free / per_friction).clamp(-most, most);
-        let rotor = free - friction_nm * per_friction;
-        let shaft = (to_load + link * rotor) / b;
-        (rotor, shaft, spring_nm + link * (rotor - shaft), friction_nm)
+        let [most_rotor, most_shaft] = self.most_friction_nm();
+        let after = |[rotor, shaft]: [f64; 2], frictions_nm| After {
+            speeds_rad_s: [rotor, shaft],
+            gear_nm: spring_nm + link * (rotor - shaft),
+            frictions_nm,
+        };
+        let turns = |friction_nm: f64| {
+            let to_load = to_load - friction_nm;
+            let determinant = a * b - link * link;
+            let free = (to_rotor * b + link * to_load) / determinant;
+            let per_friction = b / determinant;
+            let at_rotor = (free / per_friction).clamp(-most_rotor, most_rotor);
+            let rotor = free - at_rotor * per_friction;
+            after([rotor, (to_load + link * rotor) / b], [at_rotor, friction_nm])
+        };
+        if most_shaft <= 0.0 {
+            return turns(0.0);
+        }
+        for direction in [1.0, -1.0] {
+            let turned = turns(direction * most_shaft);
+            if direction * turned.speeds_rad_s[1] > 0.0 {
+                return turned;
+            }
+        }
+        let at_rotor = to_rotor.clamp(-most_rotor, most_rotor);
+        let rotor = (to_rotor - at_rotor) / a;
+        let at_shaft = (to_load + link * rotor).clamp(-most_shaft, most_shaft);
+        after([rotor, 0.0], [at_rotor, at_shaft])
     }
+}
+
+/// Both ends after a step.
+struct After {
+    /// Of rotor and shaft.
+    speeds_rad_s: [f64; 2],
+    /// Torque of the gear on the shaft, N m.
+    gear_nm: f64,
+    /// Dry friction at rotor and shaft, N m.
+    frictions_nm: [f64; 2],
 }
 
 #[cfg(test)]
@@ -172,22 +207,133 @@ mod tests {
     use super::*;
     use crate::load::Arm;
 
+    const STEP_S: f64 = 2.5e-4;
+    const IDLE: Characteristic = Characteristic { nm: 0.0, nm_s: 0.0 };
+
+    fn kind(name: &str, output_friction_share: f64) -> Parameters {
+        let kind = Parameters::built_in(name).expect("it is built in");
+        Parameters { output_friction_share, ..kind }
+    }
+
     #[test]
     fn a_free_gear_loses_energy_and_comes_to_rest() {
-        let parameters = Parameters::built_in("XL330-M288-T").expect("it is built in");
-        let mut gear = Gear::new(&parameters);
-        let arm = Arm { inertia_kg_m2: 1e-3, ..Arm::default() };
-        gear.rotor.velocity_rad_s = 5.0;
-        let idle = Characteristic { nm: 0.0, nm_s: 0.0 };
-        let mut before = gear.energy_j(arm.inertia_kg_m2);
-        for _ in 0..40_000 {
-            gear.step(2.5e-4, idle, &arm);
-            let now = gear.energy_j(arm.inertia_kg_m2);
-            // A windup that begins within a step is seen after it: at most half a step's travel too late.
-            assert!(now <= before + 1e-3, "{before} J became {now} J");
-            before = now;
+        for share in [0.0, 0.3, 0.7, 1.0] {
+            let mut gear = Gear::new(&kind("XL330-M288-T", share));
+            let arm = Arm { inertia_kg_m2: 1e-3, ..Arm::default() };
+            gear.rotor.velocity_rad_s = 5.0;
+            let mut before = gear.energy_j(arm.inertia_kg_m2);
+            for _ in 0..40_000 {
+                gear.step(STEP_S, IDLE, &arm);
+                let now = gear.energy_j(arm.inertia_kg_m2);
+                // A windup that begins within a step is seen after it: at most half a step's travel too late.
+                assert!(now <= before + 1e-3, "{share}: {before} J became {now} J");
+                before = now;
+            }
+            // Within the play nothing stops an end that has no dry friction.
+            assert!(share <= 0.0 || gear.shaft.velocity_rad_s.abs() < 1e-12, "{share}");
+            assert!(share >= 1.0 || gear.rotor.velocity_rad_s.abs() < 1e-12, "{share}");
         }
-        assert!(gear.rotor.velocity_rad_s.abs() < 1e-12);
+    }
+
+    /// Random splits, loads and motions: no step takes more out of friction than there is, and none gives.
+    #[test]
+    fn friction_takes_energy_at_both_ends() {
+        let mut random = crate::random::Random::new(36);
+        for _ in 0..200 {
+            let mut gear = Gear::new(&kind("STS3215-7.4V", random.between(0.0, 1.0)));
+            let arm = Arm { inertia_kg_m2: random.between(1e-4, 1e-1), ..Arm::default() };
+            gear.rotor.velocity_rad_s = random.between(-5.0, 5.0);
+            gear.shaft.velocity_rad_s = random.between(-5.0, 5.0);
+            for _ in 0..400 {
+                let motor = Characteristic { nm: random.between(-1.0, 1.0), nm_s: 0.1 };
+                let windup = gear.windup_rad();
+                let load = (arm.inertia_kg_m2, 0.0);
+                let after = gear.solve(STEP_S, motor, load, windup);
+                let ends = after.speeds_rad_s.into_iter().zip(after.frictions_nm);
+                for ((speed, friction), most) in ends.zip(gear.most_friction_nm()) {
+                    // An end that stands has the speed of rounding.
+                    assert!(friction * speed > -1e-12 && friction.abs() <= most);
+                    // It slides at full friction, else it stands.
+                    let lacks = most - friction.abs();
+                    assert!(lacks.abs() < 1e-12 || speed.abs() < 1e-12, "{speed} {lacks}");
+                }
+                gear.step(STEP_S, motor, &arm);
+                assert!(gear.flow.friction_w > -1e-9, "{} W", gear.flow.friction_w);
+            }
+        }
+    }
+
+    /// As it was before friction could be at the shaft.
+    fn step_with_friction_at_the_rotor(
+        gear: &Gear,
+        motor: Characteristic,
+        load_kg_m2: f64,
+    ) -> [f64; 2] {
+        let windup = gear.windup_rad();
+        let solve = |windup: f64, link: f64| {
+            let spring_nm = gear.stiffness_nm_rad * windup;
+            let a = gear.inertia_kg_m2 / STEP_S + motor.nm_s + gear.damping_nm_s + link;
+            let b = load_kg_m2 / STEP_S + link;
+            let to_rotor =
+                gear.inertia_kg_m2 / STEP_S * gear.rotor.velocity_rad_s + motor.nm - spring_nm;
+            let to_load = load_kg_m2 / STEP_S * gear.shaft.velocity_rad_s + spring_nm;
+            let determinant = a * b - link * link;
+            let free = (to_rotor * b + link * to_load) / determinant;
+            let ratio = gear.rotor.velocity_rad_s / gear.stribeck_rad_s;
+            let most = gear.friction_nm
+                + gear.stribeck_nm * libm::exp(-ratio * ratio)
+                + gear.load_friction * (gear.flow.motor_nm.abs() + gear.flow.shaft_nm.abs());
+            let friction = (free * determinant / b).clamp(-most, most);
+            let rotor = free - friction * b / determinant;
+            let shaft = (to_load + link * rotor) / b;
+            ([rotor, shaft], spring_nm + link * (rotor - shaft))
+        };
+        let link = if windup == 0.0 {
+            0.0
+        } else {
+            gear.stiffness_nm_rad * STEP_S + gear.link_damping_nm_s
+        };
+        let (speeds, gear_nm) = solve(windup, link);
+        if gear_nm * windup >= 0.0 { speeds } else { solve(0.0, 0.0).0 }
+    }
+
+    #[test]
+    fn with_all_friction_at_the_rotor_a_step_is_what_it_was() {
+        let mut random = crate::random::Random::new(7);
+        for name in ["XL330-M288-T", "MX-64"] {
+            let mut gear = Gear::new(&kind(name, 0.0));
+            let arm = Arm { inertia_kg_m2: 1e-3, ..Arm::default() };
+            for _ in 0..4_000 {
+                let motor = Characteristic { nm: random.between(-0.5, 0.5), nm_s: 0.02 };
+                let expected = step_with_friction_at_the_rotor(&gear, motor, arm.inertia_kg_m2);
+                gear.step(STEP_S, motor, &arm);
+                let speeds = [gear.rotor.velocity_rad_s, gear.shaft.velocity_rad_s];
+                for (speed, expected) in speeds.into_iter().zip(expected) {
+                    // Sums in another order, of speeds of some rad/s.
+                    assert!((speed - expected).abs() < 1e-12, "{name}: {speed} {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn friction_at_the_shaft_holds_it_until_it_cannot() {
+        let kind = kind("XL330-M288-T", 0.3);
+        let most_nm = 0.3 * (kind.friction_nm + kind.stribeck_nm);
+        for sign in [1.0, -1.0] {
+            let pushed = |torque_nm: f64| {
+                let mut gear = Gear::new(&kind);
+                for _ in 0..4_000 {
+                    gear.step(STEP_S, IDLE, &Arm { torque_nm: sign * torque_nm, ..Arm::default() });
+                }
+                gear.shaft.position_rad
+            };
+            let at_rest = pushed(0.99 * most_nm);
+            assert!(at_rest.abs() < 1e-15, "{at_rest}");
+            // What it pushes with is a load, whose part comes on top.
+            let moved = pushed(1.01 * most_nm / (1.0 - 0.3 * kind.load_friction));
+            assert!(sign * moved > 0.4 * kind.backlash_rad, "{moved}");
+        }
     }
 
     #[test]
@@ -196,7 +342,7 @@ mod tests {
         let mut gear = Gear::new(&parameters);
         gear.is_jammed = true;
         for _ in 0..1_000 {
-            gear.step(2.5e-4, Characteristic { nm: 2.0, nm_s: 0.1 }, &Arm::default());
+            gear.step(STEP_S, Characteristic { nm: 2.0, nm_s: 0.1 }, &Arm::default());
         }
         assert!(gear.shaft.position_rad.abs() < 1e-9);
     }

@@ -50,7 +50,6 @@ fn known() -> String {
 struct Extra {
     stribeck_nm: SourcedValue,
     stribeck_rad_s: SourcedValue,
-    gear_windup_rad: SourcedValue,
     loop_hz: SourcedValue,
     winding_share: SourcedValue,
     winding_time_s: SourcedValue,
@@ -75,7 +74,7 @@ pub struct Parameters {
     pub resistance_ohm: f64,
     /// Inertia of the rotor, kg m².
     pub rotor_inertia_kg_m2: f64,
-    /// Coulomb friction without load, N m.
+    /// Coulomb friction without load, of both ends of the gear, N m.
     pub friction_nm: f64,
     /// What it is higher by at rest, N m.
     pub stribeck_nm: f64,
@@ -89,6 +88,10 @@ pub struct Parameters {
     pub backlash_rad: f64,
     /// Stiffness of the gear, N m/rad.
     pub gear_stiffness_nm_rad: f64,
+    /// Damping of the gear between its ends, N m s.
+    pub gear_damping_nm_s: f64,
+    /// Part of the friction that is at the output shaft, 0 to 1; viscous friction is all at the rotor.
+    pub output_friction_share: f64,
     /// Least step of its position, rad.
     pub resolution_rad: f64,
     /// How far it turns, rad.
@@ -190,7 +193,9 @@ impl Parameters {
             load_friction,
             damping_nm_s: damping.value,
             backlash_rad: model.backlash_rad.value,
-            gear_stiffness_nm_rad: stall_nm / extra.gear_windup_rad.value,
+            gear_stiffness_nm_rad: model.gear_stiffness(),
+            gear_damping_nm_s: model.gear_damping(),
+            output_friction_share: model.output_friction_share(),
             resolution_rad: model.resolution_rad.value,
             range_rad: model.range_rad.value,
             speed_cap_rad_s: extra.speed_cap_rad_s.as_ref().map(|cap| cap.value),
@@ -228,6 +233,10 @@ impl Extra {
 
 fn guesses(model: &ServoModel, extra: &Extra) -> Vec<&'static str> {
     let own = extra.load_friction.as_ref();
+    let by_rule = SourcedValue { source: "guess: by rule".to_owned(), ..SourcedValue::default() };
+    let [stiffness, damping, share] =
+        [&model.gear_stiffness_nm_rad, &model.gear_damping_nm_s, &model.output_friction_share]
+            .map(|given| given.as_ref().unwrap_or(&by_rule));
     [
         ("voltage_v", Some(&model.voltage_v)),
         ("stall_torque_nm", Some(&model.stall_torque_nm)),
@@ -242,7 +251,9 @@ fn guesses(model: &ServoModel, extra: &Extra) -> Vec<&'static str> {
         ("stribeck_rad_s", Some(&extra.stribeck_rad_s)),
         ("resolution_rad", Some(&model.resolution_rad)),
         ("backlash_rad", Some(&model.backlash_rad)),
-        ("gear_windup_rad", Some(&extra.gear_windup_rad)),
+        ("gear_stiffness_nm_rad", Some(stiffness)),
+        ("gear_damping_nm_s", Some(damping)),
+        ("output_friction_share", Some(share)),
         ("range_rad", Some(&model.range_rad)),
         ("speed_cap_rad_s", extra.speed_cap_rad_s.as_ref()),
         ("loop_hz", Some(&extra.loop_hz)),

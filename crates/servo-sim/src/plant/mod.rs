@@ -5,6 +5,9 @@
 //! it has to foresee its shaft: it takes the acceleration of the last step, and that its own torque changes it by at
 //! most `1 / Σ |W|` over the row of `W = B M⁻¹ Bᵀ`, the shafts' accelerations for torques on all. As `Σ |W| ≥ W` as
 //! matrices, no torque overshoots, however stiff gears are and however light the rig is; of a servo alone it is exact.
+//! Its torque on the shaft is that of the gear less the friction there. Where all is at rest the foreseen shaft is the
+//! real one, so friction holds a joint where it is; what begins to push a joint moves it until the servos have felt it,
+//! some steps long.
 
 mod drives;
 mod hand;
@@ -58,6 +61,8 @@ pub struct RigPlant {
     frictions: Vec<Friction>,
     ends: Vec<End>,
     hands: Vec<Holds>,
+    /// By dof: effort from outside, N m or N.
+    pushes: Vec<f64>,
     /// By servo: least and most own position, rad.
     stops_rad: Vec<[f64; 2]>,
     own: Vec<Shaft>,
@@ -132,6 +137,7 @@ impl RigPlant {
             frictions: vec![Friction::default(); mechanics.dofs()],
             ends: Vec::new(),
             hands: Vec::new(),
+            pushes: vec![0.0; mechanics.dofs()],
             own: vec![Shaft::default(); servos.len()],
             loads: vec![Arm::default(); servos.len()],
             matrix: Symmetric::default(),
@@ -257,6 +263,14 @@ impl RigPlant {
         true
     }
 
+    /// Pushes a dof from outside with this torque, N m, or force of a slide, N, until it is told another one. Returns
+    /// whether there is such a dof.
+    pub fn push(&mut self, dof: usize, torque_nm: f64) -> bool {
+        let Some(push) = self.pushes.get_mut(dof) else { return false };
+        *push = torque_nm;
+        true
+    }
+
     /// Joint coordinates, as `sinew_core::coordinates` has them.
     pub fn q(&self) -> &[f64] {
         &self.q
@@ -286,8 +300,9 @@ impl RigPlant {
         }
         let mut forces = vec![0.0; ways];
         for (way, force) in forces.iter_mut().enumerate() {
+            let resists = |at: usize| self.mechanics.bias(at) - self.pushes[at];
             let of_joints: f64 =
-                self.joints[way].iter().map(|(at, speed)| speed * self.mechanics.bias(*at)).sum();
+                self.joints[way].iter().map(|(at, speed)| speed * resists(*at)).sum();
             let of_servos: f64 =
                 self.shafts[way].iter().map(|(at, speed)| speed * torques_nm[*at]).sum();
             *force = of_servos - of_joints;

@@ -343,6 +343,87 @@ fn drives_of_all_kinds_hold_what_they_have_to() {
     }
 }
 
+/// A bench of all servos of a rig without weight, limp.
+fn limp<'m>(
+    description: &Description,
+    memory: &'m mut [[u8; MEMORY_LEN]],
+    change: impl Fn(&mut Parameters),
+) -> Bench<'m, RigPlant> {
+    let mechanism = description.mechanism().unwrap();
+    let own = servos(description, &mechanism).unwrap();
+    let names: Vec<&str> = own.iter().map(|servo| servo.name.as_str()).collect();
+    let plant = RigPlant::under(description, &mechanism, &names, DVec3::ZERO).unwrap();
+    let mut simulated = Vec::new();
+    for (servo, memory) in own.iter().zip(memory) {
+        let mut kind = servo.kind.clone();
+        change(&mut kind);
+        let mut device = Servo::new(&kind, servo.id().unwrap(), memory).unwrap();
+        device.place(servo.home_rad);
+        device.set(11, 16);
+        simulated.push(device);
+    }
+    Bench::new(simulated, plant, Supply::stiff(own[0].kind.voltage_v))
+}
+
+/// What pushes below the friction at the shafts moves them until servos have felt it, and no farther; what pushes
+/// above it moves them through the play.
+#[test]
+fn friction_at_shafts_holds_a_rig() {
+    let description = arm(6).unwrap();
+    let kind = Parameters::built_in("XL330-M288-T").unwrap();
+    let most_nm = kind.output_friction_share * kind.friction_nm;
+    for (dof, sign) in [(1, 1.0), (2, -1.0), (5, 1.0)] {
+        let mut memory = [[0; MEMORY_LEN]; 6];
+        let mut bench = limp(&description, &mut memory, |_| ());
+        let home = bench.plant.q.clone();
+        let moved = |plant: &RigPlant| {
+            plant.q.iter().zip(&home).map(|(q, home)| (q - home).abs()).fold(0.0, f64::max)
+        };
+        assert!(bench.plant.push(dof, sign * 0.9 * most_nm));
+        bench.run_us(1_000_000);
+        let soon = moved(&bench.plant);
+        bench.run_us(60_000_000);
+        let late = moved(&bench.plant);
+        println!("{dof}: {soon:e} rad, {late:e} rad");
+        // Some thousandths of the play; then rounding.
+        assert!(soon < 5e-5 && late - soon < 1e-9, "{dof}: {soon:e} {late:e}");
+        assert!(bench.plant.push(dof, sign * 1.5 * most_nm));
+        bench.run_us(1_000_000);
+        let through = moved(&bench.plant);
+        assert!(through > 0.4 * kind.backlash_rad, "{dof}: {through}");
+    }
+    assert!(!limp(&description, &mut [[0; MEMORY_LEN]; 6], |_| ()).plant.push(6, 1.0));
+}
+
+/// Neighbours that swing shake a joint that friction holds: it gives way while friction grows, by less than an
+/// encoder step in 20 s.
+#[test]
+fn friction_at_shafts_holds_beside_what_swings() {
+    let description = arm(3).unwrap();
+    let mut memory = [[0; MEMORY_LEN]; 3];
+    // All friction is at the shaft, and more than the neighbour shakes with.
+    let mut bench = limp(&description, &mut memory, |kind| {
+        kind.output_friction_share = 1.0;
+        kind.friction_nm = 0.05;
+    });
+    let begin = bench.plant.q[2];
+    bench.plant.push(2, 0.02);
+    let mut swung = 0.0_f64;
+    let mut after = Vec::new();
+    for step in 0..20_000 {
+        let phase = 2.0 * std::f64::consts::PI * 3.0 * f64::from(step) * 1e-3;
+        bench.plant.push(1, 0.1 * libm::sin(phase));
+        bench.run_us(1_000);
+        swung = swung.max(bench.plant.qd[1].abs());
+        if step % 5_000 == 4_999 {
+            after.push((bench.plant.q[2] - begin).abs());
+        }
+    }
+    println!("{swung} rad/s: {after:?} rad");
+    assert!(swung > 0.5, "{swung}");
+    assert!(after[3] < 0.2 * 0.0015, "{after:?}");
+}
+
 /// Strong servos on bodies of almost nothing, against each other and the stops, by full and changing PWM.
 #[test]
 fn it_is_stable_with_stiff_gears_and_light_bodies() {

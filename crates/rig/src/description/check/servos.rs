@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::joints::check_range;
 use super::part::{Part, Sign};
 use crate::description::error::{DescriptionError, Step};
-use crate::description::{Address, Servo, ServoModel};
+use crate::description::{Address, Servo, ServoModel, SourcedValue};
 
 /// What each place on each bus has.
 pub(super) type Addresses<'a> = HashMap<(&'a str, Address), &'a str>;
@@ -69,12 +69,31 @@ fn check_address<'a>(
 pub(super) fn check_model(index: usize, model: &ServoModel) -> Result<(), DescriptionError> {
     let part = Part::of("servo_model", index, &model.name);
     for (key, sourced) in model.clone().values_mut() {
-        let at = [Step::Key(key), Step::Key("value")];
-        part.number(&at, sourced.value, Sign::NotNegative)?;
-        if sourced.source.trim().is_empty() {
-            let expected = "where the value is from, or \"guess: ...\"";
-            return Err(part.refuse(&[at[0], Step::Key("source")], expected, "an empty text"));
+        check_sourced(part, key, sourced, Sign::NotNegative)?;
+    }
+    for (key, sourced) in model.clone().optional_values_mut() {
+        let Some(sourced) = sourced else { continue };
+        if key == "output_friction_share" && !(0.0..=1.0).contains(&sourced.value) {
+            let at = [Step::Key(key), Step::Key("value")];
+            return Err(part.refuse(&at, "a part from 0 to 1", sourced.value));
         }
+        let sign = if key == "gear_stiffness_nm_rad" { Sign::Positive } else { Sign::NotNegative };
+        check_sourced(part, key, sourced, sign)?;
+    }
+    Ok(())
+}
+
+fn check_sourced(
+    part: Part<'_>,
+    key: &'static str,
+    sourced: &SourcedValue,
+    sign: Sign,
+) -> Result<(), DescriptionError> {
+    part.number(&[Step::Key(key), Step::Key("value")], sourced.value, sign)?;
+    if sourced.source.trim().is_empty() {
+        let expected = "where the value is from, or \"guess: ...\"";
+        let at = [Step::Key(key), Step::Key("source")];
+        return Err(part.refuse(&at, expected, "an empty text"));
     }
     Ok(())
 }

@@ -82,8 +82,12 @@ fn rig() -> Description {
 
 fn model(name: &str) -> ServoModel {
     let mut model = ServoModel { name: name.to_owned(), ..ServoModel::default() };
+    let tested = SourcedValue { value: 1.0, source: "guess: a test".to_owned() };
     for (_, value) in model.values_mut() {
-        *value = SourcedValue { value: 1.0, source: "guess: a test".to_owned() };
+        *value = tested.clone();
+    }
+    for (_, value) in model.optional_values_mut() {
+        *value = Some(tested.clone());
     }
     model
 }
@@ -207,6 +211,18 @@ fn numbers_are_finite_and_of_a_sign_that_can_be() {
             "servo_model[1].stall_torque_nm.value",
             "N m",
         );
+        refused(
+            |rig| set_gear(rig, "gear_damping_nm_s", bad),
+            "servo_model[0].gear_damping_nm_s.value",
+            "a number from 0",
+        );
+    }
+    for bad in [f64::NAN, -0.5, 1.1] {
+        refused(
+            |rig| set_gear(rig, "output_friction_share", bad),
+            "servo_model[0].output_friction_share.value",
+            "a part from 0 to 1",
+        );
     }
     for bad in [f64::NAN, -0.5, 0.0] {
         refused(|rig| rig.joints[0].speed_rad_s = Some(bad), "joint[0].speed_deg_s", "deg/s");
@@ -219,6 +235,11 @@ fn numbers_are_finite_and_of_a_sign_that_can_be() {
             "m/s²",
         );
         refused(|rig| rig.joints[0].effort = Some(bad), "joint[0].effort", "above 0");
+        refused(
+            |rig| set_gear(rig, "gear_stiffness_nm_rad", bad),
+            "servo_model[0].gear_stiffness_nm_rad.value",
+            "above 0",
+        );
         refused(|rig| rig.servos[0].gear = bad, "servo[0].gear", "above 0");
         refused(|rig| rig.servos[0].torque_nm = Some(bad), "servo[0].torque_nm", "N m");
         refused(|rig| rig.servos[0].speed_rad_s = Some(bad), "servo[0].speed_deg_s", "deg/s");
@@ -235,6 +256,14 @@ fn numbers_are_finite_and_of_a_sign_that_can_be() {
         "servo_model[0].voltage_v.source",
         "guess",
     );
+}
+
+fn set_gear(rig: &mut Description, key: &str, value: f64) {
+    for (of, sourced) in rig.servo_models[0].optional_values_mut() {
+        if let Some(sourced) = sourced.as_mut().filter(|_| of == key) {
+            sourced.value = value;
+        }
+    }
 }
 
 fn set_inertia(rig: &mut Description, set: impl FnOnce(&mut InertiaMatrix)) {

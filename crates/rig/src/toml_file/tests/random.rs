@@ -312,5 +312,11 @@ fn model(r: &mut Random, index: usize) -> ServoModel {
     for (_, value) in model.values_mut() {
         *value = SourcedValue { value: r.positive(), source: r.name("guess: ", index) };
     }
+    for (key, value) in model.optional_values_mut() {
+        *value = r.perhaps(|r| {
+            let most = if key == "output_friction_share" { 1.0 } else { f64::INFINITY };
+            SourcedValue { value: r.positive().min(most), source: r.name("guess: ", index) }
+        });
+    }
     model
 }
