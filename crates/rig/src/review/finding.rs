@@ -1,6 +1,6 @@
 //! What is wrong or doubtful of a rig, in words.
 
-use super::results::{DofReview, Finding, Review, Severity, Voltage};
+use super::results::{DofReview, Finding, LoopReview, Review, Severity, Voltage};
 use crate::mechanism::{GRAVITY_M_S2, JointModel, Mechanism};
 
 /// A torque so many times what would lift the whole rig at its full reach is no limit: a placeholder of the file.
@@ -116,6 +116,7 @@ fn of_dof(dof: &DofReview, lift_nm: f64) -> Vec<(Severity, String)> {
             format!("its limit of speed is {speed:.0} rad/s, which no servo reaches: a placeholder of the file?"),
         ));
     }
+    found.extend(of_loop(dof));
     if dof.inertia_free <= 0.0 {
         found.push((Severity::Note, "it moves no mass: kinematic, without torque".to_owned()));
     }
@@ -131,6 +132,30 @@ fn of_dof(dof: &DofReview, lift_nm: f64) -> Vec<(Severity, String)> {
         ));
     }
     found
+}
+
+/// A loop through a soft gear that swings by itself, or would if the gear were softer and looser.
+fn of_loop(dof: &DofReview) -> Option<(Severity, String)> {
+    let control = dof.control.as_ref()?;
+    let LoopReview { resonance_hz, bandwidth_rad_s, bearable_rad_s, .. } = *control;
+    let bearable_rad_s = bearable_rad_s?;
+    let help = format!(
+        "at most {bearable_rad_s:.0} rad/s would hold; a stiffer gear, fewer ticks of latency or driving it by position \
+         would help, too"
+    );
+    let gear = format!("its gear swings at {resonance_hz:.1} Hz with the load held");
+    Some(if control.nominal.margins.is_none() {
+        let grown = format!(
+            "{gear}: driven by current with an observer of {bandwidth_rad_s:.0} rad/s it shakes by itself; {help}"
+        );
+        (Severity::Fault, grown)
+    } else {
+        let grown = format!(
+            "{gear}: with half its stiffness and twice its play it would shake with an observer of {bandwidth_rad_s:.0} \
+             rad/s; {help}"
+        );
+        (Severity::Warning, grown)
+    })
 }
 
 fn of_bodies(mechanism: &Mechanism, add: &mut impl FnMut(Severity, String, String)) {

@@ -7,6 +7,8 @@ mod finding;
 mod flexible_joint;
 mod gain;
 mod gravity;
+mod inertia;
+mod loops;
 mod reach;
 mod results;
 mod servos;
@@ -14,7 +16,7 @@ mod servos;
 mod tests;
 
 use sinew_core::coordinates::CoordinatesError;
-use sinew_core::dynamics::{OuterJoints, ReflectedInertia, reflected_inertia};
+use sinew_core::dynamics::{OuterJoints, reflected_inertia};
 use sinew_core::{JointStates, TreeError};
 
 use crate::mechanism::{BODY_COUNT_MAX, JointModel, Link, Mechanism};
@@ -26,7 +28,8 @@ pub use gain::largest_stable_angle;
 pub use gravity::{WorstLoad, holding_effort, worst_load};
 pub use reach::reach_m;
 pub use results::{
-    Capability, CurrentReview, DofReview, Finding, Loop, Review, Servos, Severity, Voltage,
+    Capability, CurrentReview, DofReview, Finding, Loop, LoopReview, Review, Servos, Severity,
+    SoftGear, Voltage,
 };
 
 impl Review {
@@ -40,19 +43,19 @@ impl Review {
         let mut pose = JointStates::rest(&tree);
         let still = vec![0.0; tree.dof_count()];
         pose.set_coordinates(&tree, &home, &still)?;
-        let [locked, free] = [OuterJoints::Locked, OuterJoints::Free]
-            .map(|outer| reflected_inertia(&tree, &pose, outer));
+        let [locked, free] = [OuterJoints::Locked, OuterJoints::Free].map(|outer| {
+            inertia::of_dofs(mechanism, &reflected_inertia(&tree, &pose, outer), &mechanism.home())
+        });
         let omega = largest_stable_angle(control.latency_ticks) * control.rate_hz;
         let mut names = mechanism.dof_names().into_iter();
         let mut capabilities = servos.by_dof.iter().cloned();
         let mut by_dof = Vec::new();
         for (joint, link) in mechanism.bodies.iter().enumerate() {
-            let [locked, free] =
-                [&locked, &free].map(|all| all.get(joint).copied().unwrap_or_default());
             for axis in 0..link.joint.kind().dof_count() {
                 let servo = capabilities.next().flatten();
                 let worst = worst_load(mechanism, joint, axis);
-                let inertia_free = along(&free, link, axis);
+                let [inertia, inertia_free] =
+                    [&locked, &free].map(|all| all.get(by_dof.len()).copied().unwrap_or_default());
                 let reach_m = reach_m(mechanism, joint);
                 let slides = slides(link, axis);
                 by_dof.push(DofReview {
@@ -62,9 +65,10 @@ impl Review {
                     gravity_pose: worst.q,
                     effort_limit: finite(link.effort),
                     speed_limit: finite(link.speed),
-                    inertia: along(&locked, link, axis),
+                    inertia,
                     inertia_free,
                     rotor_inertia: link.rotor_inertia,
+                    control: None,
                     stable_stiffness: inertia_free * omega * omega,
                     reach_m,
                     resolution_mm: servo.as_ref().map(|servo| {
@@ -74,6 +78,7 @@ impl Review {
                 });
             }
         }
+        loops::review(&mut by_dof, &inertia::ranges(mechanism, &tree)?, control);
         let known = by_dof.iter().any(|dof| dof.servo.is_some());
         let current = known.then(|| CurrentReview {
             holding_a: by_dof.iter().filter_map(holding_current_a).sum(),
@@ -124,16 +129,4 @@ fn slides(link: &Link, axis: usize) -> bool {
         JointModel::Free => axis >= 3,
         _ => false,
     }
-}
-
-/// Inertia along one dof, in the home pose.
-fn along(inertia: &ReflectedInertia, link: &Link, axis: usize) -> f64 {
-    if slides(link, axis) {
-        return f64::from(inertia.linear_kg);
-    }
-    let (turns, _) = link.joint.axes(&link.home);
-    turns.get(axis).map_or(0.0, |turn| {
-        let turn = turn.as_vec3();
-        f64::from(turn.dot(inertia.angular_kg_m2.mul_vec3(turn)))
-    })
 }

@@ -82,6 +82,7 @@ fn a_review_says_what_is_too_heavy() {
         resolution: 0.0015,
         current_per_effort: 2.0,
         guessed: false,
+        gear: None,
     };
     let servos = Servos {
         by_dof: vec![Some(capability(6.0)), Some(capability(20.0))],
@@ -89,7 +90,7 @@ fn a_review_says_what_is_too_heavy() {
         supply_a: Some(2.0),
         voltages: Vec::new(),
     };
-    let control = Loop { rate_hz: 500.0, latency_ticks: 1 };
+    let control = Loop { rate_hz: 500.0, latency_ticks: 1, bandwidth_rad_s: None };
     let review = Review::of(&arm, &servos, control).unwrap();
     let of = |severity| -> Vec<&str> {
         let found = review.findings.iter().filter(|finding| finding.severity == severity);
@@ -111,7 +112,7 @@ fn units_are_doubted_where_others_explain_the_number() {
         let mut arm = arm();
         arm.bodies[2].mass_kg = mass_kg;
         arm.bodies[2].inertia_kg_m2 = DMat3::from_diagonal(DVec3::splat(moment));
-        let control = Loop { rate_hz: 500.0, latency_ticks: 1 };
+        let control = Loop { rate_hz: 500.0, latency_ticks: 1, bandwidth_rad_s: None };
         let servos = Servos {
             by_dof: vec![None, None],
             stall_current_a: 0.0,
@@ -173,7 +174,7 @@ fn a_supply_that_is_too_high_or_too_low_is_found() {
         rig.supply.as_mut().unwrap().voltage_v = voltage_v;
         let mechanism = rig.mechanism().unwrap();
         let servos = Servos::of(&rig, &mechanism).unwrap();
-        let control = Loop { rate_hz: 500.0, latency_ticks: 1 };
+        let control = Loop { rate_hz: 500.0, latency_ticks: 1, bandwidth_rad_s: None };
         let review = Review::of(&mechanism, &servos, control).unwrap();
         let found = review.findings.iter().find(|finding| finding.text.contains(" V"));
         found.map(|finding| finding.severity)
@@ -188,7 +189,7 @@ fn friction_that_no_drive_overcomes_is_found() {
     let mut arm = arm();
     let hinge = &mut arm.bodies[1];
     (hinge.friction, hinge.damping, hinge.speed, hinge.effort) = (1.0, 2.0, 8.0, 15.0);
-    let control = Loop { rate_hz: 500.0, latency_ticks: 1 };
+    let control = Loop { rate_hz: 500.0, latency_ticks: 1, bandwidth_rad_s: None };
     let review = Review::of(&arm, &Servos::default(), control).unwrap();
     let found =
         review.findings.iter().any(|finding| finding.text.starts_with("friction takes 17.000"));

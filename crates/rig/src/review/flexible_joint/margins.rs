@@ -8,8 +8,8 @@ use super::complex::Complex;
 use super::control::{ControlLoop, OpenLoop};
 use super::plant::FlexibleJoint;
 
-/// Frequencies at which the loop is looked at, from [`LEAST_RAD_S`] to half the rate: 1 to 2 % apart.
-const FREQUENCIES: usize = 600;
+/// Frequencies at which the loop is looked at, from [`LEAST_RAD_S`] to half the rate: 2 to 3 % apart.
+const FREQUENCIES: usize = 300;
 /// No loop of a joint crosses below this.
 const LEAST_RAD_S: f64 = 0.3;
 /// Halvings of an interval between two frequencies, or of a delay.

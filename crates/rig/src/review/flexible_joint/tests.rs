@@ -10,7 +10,7 @@ fn small() -> FlexibleJoint {
         rotor_inertia: 0.00181,
         load_inertia: 0.00181,
         stiffness: 29.7,
-        gear_damping: 0.05,
+        gear_damping: 0.0328,
         damping: 0.0037,
     }
 }
@@ -173,51 +173,15 @@ proptest! {
     }
 }
 
+/// A load that is heavy for the rotor, with a third of the damping that its data have: an observer of 100 rad/s shakes
+/// it, that of the rule does not. A gear without play and with all of its stiffness leaves a factor of two.
 #[test]
-fn explore() {
-    for (name, jr, k, da, play) in [
-        ("XL330", 0.00181, 29.7, 0.0037, 0.0087),
-        ("XM430", 0.0012, 234.0, 0.08, 0.00436),
-        ("MX64", 0.012, 343.0, 0.0117, 0.00436),
-    ] {
-        for ratio in [0.3, 1.0, 2.0, 5.0, 20.0_f64] {
-            let jl = jr * ratio;
-            let both = jr * jl / (jr + jl);
-            for zeta in [0.1, 0.3] {
-                let joint = FlexibleJoint {
-                    rotor_inertia: jr,
-                    load_inertia: jl,
-                    stiffness: k,
-                    gear_damping: 2.0 * zeta * (k * both).sqrt(),
-                    damping: da,
-                };
-                let rule = 0.3 * (k / jr * (1.0 + jr / jl.max(jr))).sqrt();
-                let rule = rule.min(150.0);
-                for b in [rule, 100.0] {
-                    let c = control(b);
-                    let nominal = c.stability(&joint);
-                    let half = c.stability(&joint.softened(0.5));
-                    let worst = c.stability(&joint.softened(0.5).with_play(play, 2.0 * play));
-                    let worse = c.stability(&joint.softened(0.5).with_play(play, 1.5 * play));
-                    let text = |s: Stability| match s.margins {
-                        None => format!("GROWS {:.1}", s.growth_per_s),
-                        Some(m) => format!(
-                            "{:.0} deg x{:.2} /{:.2} {:.1} ms ({:.1})",
-                            m.phase_deg,
-                            m.gain.unwrap_or(f64::INFINITY),
-                            m.gain_down.unwrap_or(0.0),
-                            1e3 * m.delay_s.unwrap_or(f64::INFINITY),
-                            s.growth_per_s
-                        ),
-                    };
-                    println!(
-                        "{name} load {ratio} zeta {zeta} b {b:.0}: {} | half {} | worst {} | 1.5: {}",
-                        text(nominal), text(half), text(worst), text(worse)
-                    );
-                }
-            }
-        }
-    }
+fn less_bandwidth_calms_a_soft_gear() {
+    let joint = FlexibleJoint { load_inertia: 20.0 * small().rotor_inertia, ..small() };
+    assert!(control(100.0).growth_per_s(&joint) > 0.0);
+    let margins = control(0.3 * joint.resonance_rad_s()).stability(&joint).margins.unwrap();
+    assert!(margins.phase_deg > 30.0 && margins.gain.unwrap() > 2.0, "{margins:?}");
+    assert!(margins.gain_down.unwrap() < 0.5 && margins.delay_s.unwrap() > 0.015, "{margins:?}");
 }
 
 #[test]
