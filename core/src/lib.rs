@@ -118,6 +118,7 @@
 //! # Files
 //! A module uses only modules of its own line and of the lines before it:
 //! - `math`: elementary functions, most of them short polynomials. No other code computes any.
+//! - `bandwidth`: the bandwidth that a soft gear allows.
 //! - `read`: numbers that the feature `serde` reads, refused if they are not finite or not unit.
 //! - `transform`, `inertia`, `joint`: rigid transforms, motion and force vectors; mass properties; joint kinds.
 //! - `body_set`, `tree`, `fixed`, `matrix`, `symmetric`: the rig in regular numbering (λ parent, κ supporters, ν
@@ -163,6 +164,7 @@
 )]
 
 mod aligned_differences;
+pub mod bandwidth;
 mod body_set;
 mod body_weight;
 pub mod control;

@@ -87,14 +87,18 @@ impl ObserverSettings {
         if !(1.0 / (dt_s * dt_s)).is_finite() {
             return Err(ObserverError::TimeStep);
         }
-        let beta = math::exponential(-x);
-        let rest = 1.0 - beta;
-        Ok(Self {
+        Ok(differences.with_pole(math::exponential(-x)))
+    }
+
+    /// Sets the gains whose poles are all at β.
+    fn with_pole(&self, beta: f32) -> Self {
+        let (dt_s, rest) = (self.dt_s, 1.0 - beta);
+        Self {
             pose_gain: 1.0 - beta * beta * beta,
             velocity_gain_per_s: rest * rest * (1.0 + 2.0 * beta) / dt_s,
             disturbance_gain_per_s2: rest * rest * rest / (dt_s * dt_s),
-            ..differences
-        })
+            ..*self
+        }
     }
 
     /// The same with other limits of the disturbance. They also limit how hard a blocked joint is pushed beyond what
@@ -154,6 +158,8 @@ impl ObserverSettings {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Observer<const N: usize, const D: usize> {
     settings: ObserverSettings,
+    /// By joint: the pole of its own bandwidth; negative for that of the settings.
+    poles: [f32; N],
     delay: usize,
     estimates: JointStates<N>,
     disturbances: [Twist; N],
@@ -167,12 +173,37 @@ pub struct Observer<const N: usize, const D: usize> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Command {
     acceleration: Twist,
-    /// The drive was limited: the missing acceleration is no disturbance.
-    limited: bool,
+    learning: Learning,
+}
+
+/// Whether a joint's disturbance is learnt from the measurement that a command leads to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Learning {
+    /// It is learnt.
+    Free,
+    /// A drive gives its most along the axis: a disturbance that asks for more is not learnt.
+    UpToPositive,
+    /// The drive gives its most against the axis.
+    UpToNegative,
+    /// Nothing is learnt: the torque was limited, or the joint rests.
+    Frozen,
+}
+
+impl Learning {
+    /// Returns the part of what was learnt along an axis that counts. A disturbance is cancelled, so one against the
+    /// axis asks for more along it.
+    fn of(self, learnt: f32) -> f32 {
+        match self {
+            Self::Free => learnt,
+            Self::UpToPositive => learnt.max(0.0),
+            Self::UpToNegative => learnt.min(0.0),
+            Self::Frozen => 0.0,
+        }
+    }
 }
 
 impl Command {
-    const NONE: Self = Self { acceleration: Twist::ZERO, limited: false };
+    const NONE: Self = Self { acceleration: Twist::ZERO, learning: Learning::Free };
 }
 
 impl<const N: usize, const D: usize> Observer<N, D> {
@@ -195,6 +226,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
     pub(crate) fn uninit() -> Self {
         Self {
             settings: ObserverSettings::NOTHING,
+            poles: [-1.0; N],
             delay: 0,
             estimates: JointStates::uninit(),
             disturbances: [Twist::ZERO; N],
@@ -216,8 +248,35 @@ impl<const N: usize, const D: usize> Observer<N, D> {
             return Err(ObserverError::Delay { ticks: delay, most: D.saturating_sub(1) });
         }
         (self.settings, self.delay) = (settings, delay);
+        self.poles.fill(-1.0);
         self.reset(state);
         self.sent.iter_mut().for_each(|tick| tick.fill(Command::NONE));
+        Ok(())
+    }
+
+    /// Sets a bandwidth for each joint, rad/s; 0 for that of the settings. See [`Bandwidth`](crate::bandwidth::Bandwidth).
+    /// O(n).
+    ///
+    /// # Errors
+    /// [`ObserverError`], and nothing is changed, if there is not one for each joint, one is not 0 nor what
+    /// [`ObserverSettings::extended_state`] takes, or the observer is one of differences.
+    pub fn set_bandwidths(&mut self, rad_s: &[f32]) -> Result<(), ObserverError> {
+        let (expected, found) = (self.estimates.as_slice().len(), rad_s.len());
+        if expected != found {
+            return Err(ObserverError::Joints { expected, found });
+        }
+        let learns = self.settings.disturbance_gain_per_s2 > 0.0;
+        let most = if learns { 1.0 } else { 0.0 };
+        // Written so that NaN fails.
+        if let Some(bad) =
+            rad_s.iter().find(|rad_s| !(**rad_s >= 0.0 && **rad_s * self.settings.dt_s <= most))
+        {
+            return Err(ObserverError::Bandwidth { rad_s: *bad });
+        }
+        for (pole, rad_s) in self.poles.iter_mut().zip(rad_s) {
+            let x = rad_s * self.settings.dt_s;
+            *pole = if x > 0.0 { math::exponential(-x) } else { -1.0 };
+        }
         Ok(())
     }
 
@@ -235,7 +294,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         self.estimates = state.clone();
         self.ahead = state.clone();
         self.any_sent = false;
-        let none = Command { acceleration: Twist::ZERO, limited: true };
+        let none = Command { acceleration: Twist::ZERO, learning: Learning::Frozen };
         for tick in &mut self.sent {
             tick.fill(none);
         }
@@ -324,9 +383,37 @@ impl<const N: usize, const D: usize> Observer<N, D> {
             let mut torques = torques.iter();
             for (slot, command) in slot.iter_mut().zip(commands) {
                 let limited = torques.next().is_some_and(|torque| torque.reason.is_some());
+                let learning = if limited { Learning::Frozen } else { Learning::Free };
                 let acceleration = if command.is_finite() { *command } else { Twist::ZERO };
-                *slot = Command { acceleration, limited };
+                *slot = Command { acceleration, learning };
             }
+        }
+    }
+
+    /// Notes of the command that was recorded last that a joint rests: it learns no disturbance from the measurement
+    /// that the command leads to.
+    pub(crate) fn note_rest(&mut self, joint: usize) {
+        self.note(joint, Learning::Frozen);
+    }
+
+    /// Notes of the command that was recorded last that a joint's drive could not give all of the wrench: no
+    /// disturbance is learnt that asks for more. Joints that are no hinges learn nothing.
+    pub(crate) fn note_limited(&mut self, joint: usize, body: &Body, wrench: &Wrench) {
+        let learning = match body.joint {
+            JointKind::Revolute { axis } => {
+                let along_nm = axis.dot(wrench.moment_nm);
+                if along_nm > 0.0 { Learning::UpToPositive } else { Learning::UpToNegative }
+            }
+            _ => Learning::Frozen,
+        };
+        self.note(joint, learning);
+    }
+
+    fn note(&mut self, joint: usize, learning: Learning) {
+        if let Some(command) = self.sent.get_mut(self.delay).and_then(|tick| tick.get_mut(joint))
+            && command.learning != Learning::Frozen
+        {
+            command.learning = learning;
         }
     }
 
@@ -345,14 +432,22 @@ impl<const N: usize, const D: usize> Observer<N, D> {
             .iter()
             .filter_map(|tick| tick.get(joint).copied());
         let made = commands.next().unwrap_or(Command::NONE);
+        let own;
+        let settings = match self.poles.get(joint) {
+            Some(&pole) if pole >= 0.0 => {
+                own = self.settings.with_pole(pole);
+                &own
+            }
+            _ => &self.settings,
+        };
 
         let mut state = match body.joint {
-            JointKind::Spherical => self.settings.correct_ball(before, made, measured, disturbance),
+            JointKind::Spherical => settings.correct_ball(before, made, measured, disturbance),
             JointKind::Revolute { axis } => {
                 let about = (axis, &body.placement);
-                self.settings.correct_hinge(about, before, made, measured, disturbance)
+                settings.correct_hinge(about, before, made, measured, disturbance)
             }
-            _ => self.settings.correct(body, before, made, measured, disturbance),
+            _ => settings.correct(body, before, made, measured, disturbance),
         };
         let disturbance = *disturbance;
         // Only numbers near the end of f32 are refused: the joint begins anew from its measurement.
@@ -399,7 +494,7 @@ impl ObserverSettings {
             _ => Quat::IDENTITY,
         };
         let off = body.joint.project_twist(in_joint, came - expected);
-        if !made.limited {
+        if made.learning == Learning::Free {
             let learnt = off * self.disturbance_gain_per_s2;
             *disturbance = self.bounded(*disturbance + learnt);
         }
@@ -430,7 +525,7 @@ impl ObserverSettings {
         let expected = velocity * dt_s;
         let came = math::log(math::turn_in_body(before.pose.rotation, measured.rotation));
         let off = came - expected;
-        if !made.limited {
+        if made.learning == Learning::Free {
             let learnt = within(unexpected + off * self.disturbance_gain_per_s2, most_rad_s2);
             disturbance.angular = if math::is_finite(learnt) { learnt } else { Vec3::ZERO };
         }
@@ -459,8 +554,8 @@ impl ObserverSettings {
         let expected = speed * dt_s;
         let turn = math::turn_in_body(before.pose.rotation, measured.rotation);
         let off = axis.dot(math::log(turn)) - expected;
-        if !made.limited {
-            unexpected += off * self.disturbance_gain_per_s2;
+        if made.learning != Learning::Frozen {
+            unexpected += made.learning.of(off * self.disturbance_gain_per_s2);
             unexpected = if unexpected.is_finite() {
                 // Not `clamp`, which would panic if the bounds were none.
                 unexpected.max(-most_rad_s2).min(most_rad_s2)
@@ -553,6 +648,13 @@ pub enum ObserverError {
         /// The bound.
         value: f32,
     },
+    /// There must be one bandwidth for each joint.
+    Joints {
+        /// Number of joints.
+        expected: usize,
+        /// Number of bandwidths.
+        found: usize,
+    },
     /// The delay is longer than the observer has room for.
     Delay {
         /// The delay.
@@ -572,6 +674,9 @@ impl fmt::Display for ObserverError {
             ),
             Self::DisturbanceLimit { value } => {
                 write!(f, "the bound on disturbances is {value}; it must be a finite number from 0")
+            }
+            Self::Joints { expected, found } => {
+                write!(f, "{expected} joints need as many bandwidths, {found} were given")
             }
             Self::Delay { ticks, most } => {
                 write!(f, "a delay of {ticks} ticks; this observer has room for {most}")

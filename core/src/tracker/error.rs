@@ -190,6 +190,8 @@ pub enum TrackerError {
     },
     /// The supply has weights that [`Settings::sharing`](super::Settings::sharing) has no use for, or lacks them.
     SupplyWeights,
+    /// There is not a rest zone for each joint, or one is not a finite number from 0.
+    Rest,
     /// With the method `recommended`, the latency and the tick together take longer than
     /// [`MAX_DELAY_S`](super::MAX_DELAY_S).
     TooLate,
@@ -235,6 +237,9 @@ impl fmt::Display for TrackerError {
             }
             Self::SupplyWeights => f.write_str(
                 "the supply must have weights with sharing = \"importance\", and none with another",
+            ),
+            Self::Rest => f.write_str(
+                "there must be a rest zone for each joint, each a finite number from 0",
             ),
             Self::TooLate => f.write_str(
                 "with method = \"recommended\" the latency and the tick together must not take longer than 10 ms: more ticks a second, or another method",

@@ -190,6 +190,11 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
         if self.observes { self.observer.states() } else { &self.differenced }
     }
 
+    /// The observer, whether it is used or not.
+    pub(super) fn observer_mut(&mut self) -> &mut Observer<N, D> {
+        &mut self.observer
+    }
+
     /// Takes off the targets what the observer has learnt of disturbances, if it is to.
     pub(super) fn compensate(&self, targets: &mut JointTargets<N>) {
         if self.observes && self.cancel {

@@ -13,6 +13,7 @@ mod error;
 mod estimate;
 mod frames;
 mod names;
+mod rest;
 mod settings;
 mod timing;
 
@@ -30,12 +31,14 @@ use crate::tree::Tree;
 
 use desired::Desired;
 use estimate::Estimate;
+use rest::Rest;
 
 pub use error::{InputError, SettingError, StepError, TrackerError};
 pub use frames::{Frame, FrameSource, Measured, extrapolate_before_start};
 pub use names::{
     AimName, DesiredVelocity, Differences, GainsName, MethodName, Sharing, WeightsName,
 };
+pub use rest::STANDS_RAD_S;
 pub use settings::{
     BANDWIDTH_RAD_S, ObserverChoice, ProjectionSettings, RECOMMENDED_ROTATION_WEIGHT_M,
     ResolvedSettings, Settings,
@@ -92,6 +95,7 @@ pub struct Tracker<const N: usize, const D: usize = 1, const R: usize = 0> {
     controller: TorqueController<N>,
     desired: Desired<N>,
     estimate: Estimate<N, D>,
+    rest: Rest<N>,
     supply: Option<TorqueSupply<N>>,
     sharing: Sharing,
     workspace: Workspace<N, R>,
@@ -132,6 +136,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
             controller: TorqueController::uninit(),
             desired: Desired::uninit(),
             estimate: Estimate::uninit(),
+            rest: Rest::uninit(),
             supply: None,
             sharing: Sharing::Uniform,
             workspace: Workspace::with_room(),
@@ -164,7 +169,34 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         let (observer, cancel) = (effective.observer(dt_s)?, effective.observer.cancel);
         self.estimate.init(tree, dt_s, observer, cancel, latency_ticks)?;
         self.desired.init(tree, dt_s, ahead, differences, projection);
+        self.rest.init(dt_s);
         (self.supply, self.sharing) = (None, effective.sharing);
+        Ok(())
+    }
+
+    /// Sets the observer's bandwidth of each joint, rad/s; 0 for that of the settings. See
+    /// [`Bandwidth`](crate::bandwidth::Bandwidth). O(n).
+    ///
+    /// # Errors
+    /// [`TrackerError::Observer`], and nothing is changed, as [`Observer::set_bandwidths`].
+    pub fn set_bandwidths(&mut self, rad_s: &[f32]) -> Result<(), TrackerError> {
+        Ok(self.estimate.observer_mut().set_bandwidths(rad_s)?)
+    }
+
+    /// Sets the rest zone of each joint: while its target is slower than [`STANDS_RAD_S`], an error of at most so many
+    /// rad (of slides, m) counts as none, and the observer learns nothing from it. 0 for none. Half the play of a joint's
+    /// gear and a step of its encoder is the radius within which its loop can only hunt. O(n).
+    ///
+    /// # Errors
+    /// [`TrackerError::Rest`], and nothing is changed, if there is not one for each joint, or one is not a finite number
+    /// from 0.
+    pub fn set_rest(&mut self, radii: &[f32]) -> Result<(), TrackerError> {
+        let fits = radii.len() == self.controller.tree().len();
+        // Written so that NaN fails.
+        if !fits || !radii.iter().all(|radius| *radius >= 0.0 && radius.is_finite()) {
+            return Err(TrackerError::Rest);
+        }
+        self.rest.set(radii);
         Ok(())
     }
 
@@ -294,6 +326,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
             return Err(StepError::Frame(error));
         }
         let (targets, w) = (self.desired.targets_mut(), &mut self.workspace);
+        self.rest.apply(tree, targets, self.estimate.states());
         self.estimate.compensate(targets);
         let states = self.estimate.states();
         self.controller.tick(targets, states, &[], w);
@@ -303,7 +336,25 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         }
         let torques = w.torques().get(..count).unwrap_or_default();
         self.estimate.commanded(w.commands(), torques);
+        for joint in (0..count).filter(|joint| self.rest.rests(*joint)) {
+            self.estimate.observer_mut().note_rest(joint);
+        }
         Ok(Tick { tracker: self })
+    }
+
+    /// Notes that the drive of a dof could not give all that the last tick asked for: from the measurement that follows,
+    /// no disturbance is learnt that would ask for more. O(n).
+    pub fn note_limited(&mut self, dof: usize) {
+        let mut first = dof;
+        let bodies = self.controller.tree().bodies();
+        for (joint, (body, torque)) in bodies.iter().zip(self.workspace.torques()).enumerate() {
+            let count = body.joint.dof_count();
+            if first < count {
+                self.estimate.observer_mut().note_limited(joint, body, &torque.value);
+                return;
+            }
+            first = first.saturating_sub(count);
+        }
     }
 
     /// The rig's controller.

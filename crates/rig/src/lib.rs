@@ -16,6 +16,7 @@
 //! - `servo_model`, `actuation/`: kinds of servo (`models/`, each value with its source), and what joints get from
 //!   them.
 //! - `review/`: what `sinew rig check` reports.
+//! - `tracking`: bandwidth and rest zone of each joint, by its servos' gears.
 //! - `board/`: the compact form that boards read.
 //! - `new/`: an arm and a face to start from.
 
@@ -47,6 +48,8 @@ pub mod review;
 mod servo_model;
 #[cfg(feature = "std")]
 pub mod toml_file;
+#[cfg(feature = "std")]
+pub mod tracking;
 
 #[cfg(feature = "std")]
 pub use description::Description;

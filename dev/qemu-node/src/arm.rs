@@ -80,12 +80,16 @@ pub fn parts(kind: Kind) -> Parts {
         drive: match kind {
             Kind::Current => DriveSettings::Current(CurrentSettings {
                 encoder: Encoder::default(),
+                blind_rad: 0.0059,
                 current_a: 1.2,
                 // Above what the detector of heat finds first.
                 cut_off: CutOff { warm_c: 65.0, hot_c: 69.0, ..CutOff::default() },
             }),
             Kind::Position => DriveSettings::Position(PositionSettings::default()),
         },
+        // An XL330's gear with a light load: half its play and a step of its encoder.
+        bandwidth_rad_s: 40.0,
+        rest_rad: 0.0059,
         heat: HeatSettings::default(),
         supply: SupplySettings::of(recommended_v, bounds_v[0], bounds_v[1]),
         winding: WindingSettings::of_stall(stall_a),

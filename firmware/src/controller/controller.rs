@@ -495,7 +495,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         let commands = self
             .performance
             .carry(
-                &self.path,
+                &readings.dofs,
                 (readings.pose.q(), &walls),
                 &readings.conditions,
                 |servo| permission.effort * watch.share(servo),

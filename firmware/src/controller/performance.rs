@@ -3,17 +3,18 @@
 use heapless::Vec;
 use sinew_core::coordinates::DofCommand;
 use sinew_core::dynamics::{BodyMotion, inverse_dynamics};
-use sinew_core::tracker::{Measured, Timing, Tracker};
+use sinew_core::tracker::{Measured as Reading, Timing, Tracker, TrackerError};
 use sinew_core::{JointStates, Twist, Wrench};
 use sinew_rig::board::BoardRig;
 
 use super::coordinates::number;
 use super::error::ControllerError;
-use super::path::Path;
 use super::pose::Pose;
 use super::report::DofReport;
 use super::settings::{ControllerSettings, ServoSetup};
-use crate::drives::{Class, Condition, Drives, ServoCommand, ServoDrive};
+use crate::drives::{
+    Class, Condition, DriveSettings, Drives, Limit, Measured, ServoCommand, ServoDrive,
+};
 
 /// One more than the longest latency in ticks.
 const DELAYS: usize = 8;
@@ -73,7 +74,46 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
                 }
             }
         }
-        tracker.init(rig.tree(), &settings.tracker, timing).map_err(ControllerError::Tracker)
+        tracker.init(rig.tree(), &settings.tracker, timing).map_err(ControllerError::Tracker)?;
+        self.fit_gears(servos).map_err(ControllerError::Tracker)
+    }
+
+    /// Sets what the gears of each joint allow: its observer's bandwidth, and its rest zone.
+    #[inline(never)]
+    fn fit_gears(&mut self, servos: &[ServoSetup]) -> Result<(), TrackerError> {
+        let bodies = self.rig.tree().bodies();
+        let (mut bandwidths, mut rests) = ([0.0_f32; BODIES], [0.0_f32; BODIES]);
+        for drive in self.rig.drives() {
+            let own = drive.servos.iter().filter_map(|servo| servos.get(usize::from(*servo)));
+            let by_current = own.filter(|servo| matches!(servo.drive, DriveSettings::Current(_)));
+            let (mut least, mut sum) = (f32::INFINITY, 0.0_f32);
+            for servo in by_current {
+                (least, sum) = (least.min(servo.bandwidth_rad_s), sum + servo.rest_rad);
+            }
+            for dof in &drive.dofs {
+                let mut next = 0;
+                // The joint that has this dof.
+                let joint = bodies.iter().position(|body| {
+                    next += body.joint.dof_count();
+                    usize::from(*dof) < next
+                });
+                let joint = joint.unwrap_or(BODIES);
+                if let (Some(bandwidth), Some(rest)) =
+                    (bandwidths.get_mut(joint), rests.get_mut(joint))
+                {
+                    let least = if least.is_finite() { least } else { 0.0 };
+                    // A ball joint may have several drives: 0 is none yet.
+                    *bandwidth = if *bandwidth > 0.0 { bandwidth.min(least) } else { least };
+                    *rest = rest.max(sum);
+                }
+            }
+        }
+        let bandwidths = bandwidths.get(..bodies.len()).unwrap_or_default();
+        // An observer of differences has none, nor has a tracker without.
+        if bandwidths.iter().any(|bandwidth| *bandwidth > 0.0) {
+            self.tracker.set_bandwidths(bandwidths)?;
+        }
+        self.tracker.set_rest(rests.get(..bodies.len()).unwrap_or_default())
     }
 
     /// Whether the servos of a dof take what the tracker makes of an error.
@@ -101,7 +141,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         &mut self,
         pose: &Pose<DOFS, COORDS>,
     ) -> Result<(), NotFinite> {
-        let measured = Measured::Positions { q: pose.q() };
+        let measured = Reading::Positions { q: pose.q() };
         self.tracker.begin(&mut &*pose, 0, measured).map_err(|_| NotFinite)
     }
 
@@ -115,7 +155,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         report: &mut [DofReport],
     ) -> Result<&[Option<ServoCommand>], NotFinite> {
         let Self { rig, tracker, drives, commands, .. } = self;
-        let measured = Measured::Coordinates { q, qd };
+        let measured = Reading::Coordinates { q, qd };
         let mut tick = tracker.step(&mut &*pose, 0, measured).map_err(|_| NotFinite)?;
         tick.dof_commands(commands).map_err(|_| NotFinite)?;
         for (command, report) in commands.iter().zip(report) {
@@ -141,9 +181,9 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
     /// servos: it holds the rig where a hand has left it. O(dofs).
     // Not within its caller, whose frame on the stack every other tick would pay for.
     #[inline(never)]
-    pub(super) fn carry<const COORDS: usize>(
+    pub(super) fn carry(
         &mut self,
-        led: &Path<DOFS, COORDS>,
+        measured: &[Option<Measured>],
         (q, walls): (&[f32], &[f32]),
         conditions: &[Condition],
         share: impl Fn(usize) -> f32,
@@ -151,8 +191,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
     ) -> Result<&[Option<ServoCommand>], NotFinite> {
         let tree = self.rig.tree();
         let count = self.rig.dofs().len();
-        let (mut positions, mut efforts) = ([0.0; DOFS], [0.0; DOFS]);
-        led.positions(&mut positions);
+        let mut efforts = [0.0; DOFS];
         let efforts = efforts.get_mut(..count).unwrap_or_default();
         let mut states = JointStates::rest(tree);
         let resting = [0.0; DOFS];
@@ -175,7 +214,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         for (index, (command, dof)) in self.commands.iter_mut().zip(self.rig.dofs()).enumerate() {
             let weight = number(efforts, index).max(-dof.effort).min(dof.effort);
             *command = DofCommand {
-                position: number(&positions, index),
+                // It is where it should be: no friction is fed forward for a way back.
+                position: measured.get(index).copied().flatten().map_or(0.0, |own| own.position),
                 feedforward_effort: weight,
                 feedback_effort: number(walls, index),
                 ..DofCommand::default()
@@ -193,8 +233,16 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         conditions: &[Condition],
         share: impl Fn(usize) -> f32,
     ) -> Result<&[Option<ServoCommand>], NotFinite> {
-        let Self { drives, commands, out, .. } = self;
+        let Self { rig, tracker, drives, commands, out, .. } = self;
         drives.step(commands, conditions, out).map_err(|_| NotFinite)?;
+        for drive in rig.drives() {
+            let mut servos = drive.servos.iter().filter_map(|servo| out.get(usize::from(*servo)));
+            // Of heat it learns, or a joint would sag further with each tick of less current.
+            let limits = [Some(Limit::Torque), Some(Limit::Current), Some(Limit::Stale)];
+            if servos.any(|servo| servo.is_some_and(|servo| limits.contains(&servo.limit))) {
+                drive.dofs.iter().for_each(|dof| tracker.note_limited(usize::from(*dof)));
+            }
+        }
         for (index, servo) in out.iter_mut().enumerate() {
             if let Some(ServoCommand { command: sinew_servo_bus::Command::Current(a), .. }) = servo
             {

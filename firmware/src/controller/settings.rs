@@ -87,6 +87,12 @@ impl ControllerSettings {
 pub struct ServoSetup {
     /// Its class, with settings.
     pub drive: DriveSettings,
+    /// Bandwidth of its joint's observer by its gear and load, rad/s; 0 for that of the tracker's settings. Of several
+    /// servos at a joint the least counts. Of a servo by current alone.
+    pub bandwidth_rad_s: f32,
+    /// Half the play of its gear and a step of its encoder, at its joint, rad (of slides, m); 0 for no rest zone. Those
+    /// of all servos at a joint add up. Of a servo by current alone.
+    pub rest_rad: f32,
     /// Temperatures.
     pub heat: HeatSettings,
     /// Voltages; of each servo, since a plug may be loose.

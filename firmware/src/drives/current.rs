@@ -12,6 +12,8 @@ use crate::SettingError;
 const LEAST_CONSTANT_NM_A: f32 = 0.01;
 /// Time in which the current comes and goes where it is cut off, s.
 const FADE_S: f32 = 0.2;
+/// How fast the shaft is to return, 1/s: an error of the tracker's gains (200 /s², critically damped) decays so.
+const RETURN_PER_S: f32 = 7.07;
 
 /// How a servo in current mode is driven.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,6 +21,9 @@ const FADE_S: f32 = 0.2;
 pub struct CurrentSettings {
     /// Its encoder.
     pub encoder: Encoder,
+    /// How far the shaft may be from its target before friction on the way back is fed forward, rad at the servo: half
+    /// the play of its gear and a step of its encoder. 10 for a play that is not known: no error is as large.
+    pub blind_rad: f32,
     /// The most current either way, A.
     pub current_a: f32,
     /// When it gives less.
@@ -27,6 +32,10 @@ pub struct CurrentSettings {
 
 /// Current control: feed-forward and feedback effort, and the friction at the wanted speed
 /// ([`Servo::shaft_friction`]), through the gear and over the torque constant.
+///
+/// The wanted speed is that of the target, and of the way back to it: 7 /s of the error beyond what the encoder tells
+/// (the reference velocity of Slotine and Li, "On the Adaptive Control of Robot Manipulators", 1987). So stiction does
+/// not hold a joint that is off until the observer has learnt it.
 ///
 /// Beyond an end of its range it gives no torque outwards. Without fresh readings, and where it is hot, the current
 /// fades to nothing: the loop is closed by the tracker, and a servo in current mode holds nothing by itself. O(1).
@@ -60,6 +69,7 @@ impl CurrentDrive {
         }
         settings.encoder.check(servo)?;
         settings.cut_off.check()?;
+        SettingError::check("blind_rad", settings.blind_rad, [0.0, 10.0])?;
         SettingError::check("current_a", settings.current_a, [0.0, 100.0])?;
         Ok(Self { servo: *servo, settings: *settings, dt_s: timing.dt_s, share: 0.0 })
     }
@@ -75,7 +85,8 @@ impl CurrentDrive {
         let step = self.dt_s / FADE_S;
         self.share = share.max(self.share - step).min(self.share + step);
 
-        let friction_nm = self.servo.shaft_friction(target.velocity_rad_s).unwrap_or(0.0);
+        let speed_rad_s = target.velocity_rad_s + self.way_back_rad_s(target, condition);
+        let friction_nm = self.servo.shaft_friction(speed_rad_s).unwrap_or(0.0);
         let shaft_nm = target.feedforward_nm + target.feedback_nm + friction_nm;
         let torque =
             self.servo.own_torque(shaft_nm).unwrap_or(Limited { value: 0.0, reason: None });
@@ -90,6 +101,15 @@ impl CurrentDrive {
             (current_a, limit) = (0.0, Some(Limit::Range));
         }
         ServoCommand { command: Command::Current(current_a * self.share), limit: cut.or(limit) }
+    }
+
+    /// The speed at which the shaft is to return to its target.
+    fn way_back_rad_s(&self, target: &ShaftTarget, condition: &Condition) -> f32 {
+        let Some(read) = condition.feedback else { return 0.0 };
+        let own_rad = read.position_rad - self.settings.encoder.zero_rad;
+        let off_rad = target.position_rad - self.servo.shaft_position(own_rad);
+        let blind_rad = self.settings.blind_rad / self.servo.settings().gear.abs();
+        RETURN_PER_S * (off_rad - off_rad.max(-blind_rad).min(blind_rad))
     }
 
     /// Whether a current drives the servo on, beyond an end of its range.

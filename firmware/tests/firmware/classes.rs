@@ -16,6 +16,7 @@ use sinew_servo_bus::{Command, Effort, Feedback, feetech};
 const TIMING: Timing = Timing { dt_s: 0.005, latency_ticks: 1 };
 const CURRENT: CurrentSettings = CurrentSettings {
     encoder: Encoder { zero_rad: std::f32::consts::PI, turn_rad: std::f32::consts::TAU },
+    blind_rad: 10.0,
     current_a: 1.0,
     cut_off: CutOff { stale_s: 0.1, warm_c: 55.0, hot_c: 65.0 },
 };

@@ -19,6 +19,7 @@ fn settings(class: u8) -> DriveSettings {
     match class {
         0 => DriveSettings::Current(CurrentSettings {
             encoder: Encoder::default(),
+            blind_rad: 10.0,
             current_a: CURRENT_A,
             cut_off: CutOff::default(),
         }),

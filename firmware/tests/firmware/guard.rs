@@ -27,6 +27,7 @@ fn drive(class: u8) -> DriveSettings {
     match class {
         0 => DriveSettings::Current(CurrentSettings {
             encoder: Encoder::default(),
+            blind_rad: 10.0,
             current_a: 0.7,
             cut_off: CutOff::default(),
         }),

@@ -104,6 +104,8 @@ pub(crate) struct ChannelOf {
 pub(crate) struct ServoSetupOf {
     #[serde(with = "DriveOf")]
     drive: DriveSettings,
+    bandwidth_rad_s: f32,
+    rest_rad: f32,
     #[serde(with = "HeatOf")]
     heat: HeatSettings,
     #[serde(with = "SupplyOf")]
@@ -128,6 +130,7 @@ enum DriveOf {
 struct CurrentOf {
     #[serde(with = "EncoderOf")]
     encoder: Encoder,
+    blind_rad: f32,
     current_a: f32,
     #[serde(with = "CutOffOf")]
     cut_off: CutOff,

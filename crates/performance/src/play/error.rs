@@ -2,6 +2,7 @@
 
 use sinew_firmware::controller::ControllerError;
 use sinew_rig::board::BakeError;
+use sinew_rig::tracking::TrackingError;
 use sinew_servo_sim::device::ServoError;
 use sinew_servo_sim::rig::RigServosError;
 use sinew_show::ShowError;
@@ -19,6 +20,9 @@ pub enum PartsError {
     /// Its servos cannot be simulated.
     #[error(transparent)]
     Servos(#[from] RigServosError),
+    /// Its gears say nothing of its loop.
+    #[error(transparent)]
+    Tracking(#[from] TrackingError),
     /// It travels.
     #[error("the rig's base is not held: no servo moves it; `--base stand` bolts it to a stand")]
     Travels,

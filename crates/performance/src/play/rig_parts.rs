@@ -5,6 +5,7 @@ use sinew_firmware::controller::{ControllerSettings, ServoSetup, estimated_us};
 use sinew_firmware::node::NodeSettings;
 use sinew_rig::description::Supply as RigSupply;
 use sinew_rig::mechanism::JointModel;
+use sinew_rig::tracking::tracking;
 use sinew_rig::{Description, Mechanism};
 use sinew_servo_bus::Schedule;
 use sinew_servo_sim::plant::RigPlant;
@@ -74,7 +75,6 @@ impl RigParts {
             lines[line].servos.push(index);
             parts.push(ServoPart { own, drive, place: (line, lines[line].servos.len() - 1) });
         }
-        let setups: Vec<ServoSetup> = parts.iter().map(|part| setup(rig, part)).collect();
         let mut settings = ControllerSettings { rig_crc, ..ControllerSettings::default() };
         let loads: Vec<(&str, Load)> =
             lines.iter().map(|line| (line.name.as_str(), line.load(&parts))).collect();
@@ -97,7 +97,22 @@ impl RigParts {
             .map(|(_, schedule)| *schedule)
             .max_by_key(Schedule::groups);
         let schedule = latest.ok_or(PartsError::NoServos)?;
+        let dt_s = 1e-6 * f64::from(schedule.tick_us());
+        let gears = tracking(rig, mechanism, dt_s)?;
+        let setups: Vec<ServoSetup> =
+            parts.iter().zip(&gears).map(|(part, gear)| setup(rig, part, gear)).collect();
         settings.tracker = tracker(&schedule);
+        let least = setups
+            .iter()
+            .zip(&parts)
+            .filter(|(setup, part)| part.drive == Drive::Current && setup.bandwidth_rad_s > 0.0)
+            .map(|(setup, _)| setup.bandwidth_rad_s)
+            .reduce(f32::min);
+        let observer = &mut settings.tracker.observer;
+        if observer.bandwidth_rad_s > 0.0 {
+            // Joints that no servo moves have the least of all.
+            observer.bandwidth_rad_s = least.unwrap_or(observer.bandwidth_rad_s);
+        }
         let (drives, first_servo) = by_dof(&board, &parts);
         let slides = mechanism.bodies.iter().flat_map(|link| {
             let is_slide = matches!(link.joint, JointModel::Prismatic(_));
@@ -203,7 +218,11 @@ fn tracker(schedule: &Schedule) -> TrackerSettings {
     let latency_ticks = usize::try_from(schedule.groups()).unwrap_or(usize::MAX);
     let timing = LoopTiming { dt_s: 1e-6 * schedule.tick_us() as f32, latency_ticks };
     if timing.check_recommended().is_ok() {
-        TrackerSettings::recommended()
+        // Targets are the rig's own: each joint's error is its own, too, and no other joint's gear is in it.
+        TrackerSettings {
+            method: MethodName::Local,
+            ..TrackerSettings::recommended().effective(timing.dt_s)
+        }
     } else {
         TrackerSettings { method: MethodName::Local, ..TrackerSettings::default() }
     }

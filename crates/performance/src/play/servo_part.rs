@@ -6,6 +6,7 @@ use sinew_firmware::drives::{
 };
 use sinew_firmware::supervisor::detect::{HeatSettings, SupplySettings, WindingSettings};
 use sinew_rig::Description;
+use sinew_rig::tracking::ServoTracking;
 use sinew_servo_bus::dynamixel;
 use sinew_servo_sim::registers::RegisterTable;
 use sinew_servo_sim::rig::RigServo;
@@ -132,7 +133,7 @@ pub(super) fn drives(
 }
 
 /// What the controller knows of a servo.
-pub(super) fn setup(rig: &Description, part: &ServoPart) -> ServoSetup {
+pub(super) fn setup(rig: &Description, part: &ServoPart, gear: &ServoTracking) -> ServoSetup {
     let kind = &part.own.kind;
     let model = rig.servo_model(&kind.name);
     let stall_a = model.as_ref().map_or(stall_a(&part.own), |model| model.stall_current_a.value);
@@ -156,7 +157,8 @@ pub(super) fn setup(rig: &Description, part: &ServoPart) -> ServoSetup {
         drive: match part.drive {
             Drive::Current => {
                 let current_a = current_a(stall_a);
-                DriveSettings::Current(CurrentSettings { encoder, current_a, cut_off })
+                let blind_rad = single(gear.blind_rad);
+                DriveSettings::Current(CurrentSettings { encoder, blind_rad, current_a, cut_off })
             }
             Drive::Position => DriveSettings::Position(PositionSettings {
                 encoder,
@@ -165,6 +167,8 @@ pub(super) fn setup(rig: &Description, part: &ServoPart) -> ServoSetup {
             }),
             Drive::Pulses => DriveSettings::Target(TargetSettings { encoder: None }),
         },
+        bandwidth_rad_s: gear.bandwidth.map_or(0.0, |bandwidth| bandwidth.rad_s),
+        rest_rad: single(gear.rest),
         heat,
         supply: SupplySettings::of(voltage_v, least_v, most_v),
         winding: WindingSettings::of_stall(stall_a),

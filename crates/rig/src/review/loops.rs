@@ -1,9 +1,11 @@
 //! The loops that are closed through soft gears.
 
+use sinew_core::bandwidth::Bandwidth;
 use sinew_core::tracker::Settings;
 
 use super::flexible_joint::{ControlLoop, FlexibleJoint};
 use super::results::{DofReview, Loop, LoopReview, SoftGear};
+use crate::number::single;
 
 /// A gear at its worst: part of its stiffness that is left, and how many times its play.
 const SOFTER: f64 = 0.5;
@@ -19,11 +21,6 @@ const AMPLITUDE_PLAYS: f64 = 2.0;
 /// The least load that is taken for one, as a part of the rotor's inertia: a bare shaft has some.
 const LEAST_LOAD: f64 = 0.01;
 
-/// What a bandwidth is of the resonance of rotor and load on their gear, by the rule.
-const RULE_SHARE: f64 = 0.3;
-/// What it is at most, rad/s.
-const RULE_MOST_RAD_S: f64 = 150.0;
-
 /// A search for a bandwidth: the least that is tried, rad/s, and halvings of the interval.
 const LEAST_RAD_S: f64 = 1.0;
 const HALVINGS: usize = 16;
@@ -31,27 +28,20 @@ const HALVINGS: usize = 16;
 /// Reviews the loop of each dof that has one. `inertias`: the least and the greatest of each.
 pub(super) fn review(by_dof: &mut [DofReview], inertias: &[[f64; 2]], control: Loop) {
     let dt_s = 1.0 / control.rate_hz;
-    let joints: Vec<Option<[FlexibleJoint; 2]>> = by_dof
-        .iter()
-        .zip(inertias)
-        .map(|(dof, inertias)| {
-            let gear = dof.servo.as_ref()?.gear?;
-            Some(inertias.map(|inertia| joint(gear, inertia - dof.rotor_inertia)))
-        })
-        .collect();
-    let by_rule = |joint: &FlexibleJoint| rule_rad_s(joint, dt_s);
-    let least_rad_s = joints.iter().flatten().flatten().map(by_rule).fold(f64::INFINITY, f64::min);
-    let control = ControlLoop {
-        dt_s,
-        latency_ticks: control.latency_ticks,
-        late_s: 0.0,
-        bandwidth_rad_s: control.bandwidth_rad_s.unwrap_or(least_rad_s),
-        kp_per_s2: f64::from(Settings::<usize>::default().kp),
-        torque_share: 1.0,
-    };
-    for (dof, joints) in by_dof.iter_mut().zip(joints) {
-        let play = dof.servo.as_ref().and_then(|servo| servo.gear).map(|gear| gear.play);
-        dof.control = joints.zip(play).map(|(joints, play)| of_joint(joints, play, control));
+    for (dof, inertias) in by_dof.iter_mut().zip(inertias) {
+        let Some(gear) = dof.servo.as_ref().and_then(|servo| servo.gear) else { continue };
+        let joints = inertias.map(|inertia| joint(gear, inertia - dof.rotor_inertia));
+        // Gears that are no gears, such as those of a servo without a rotor, have no loop.
+        let Some(by_rule) = bandwidth_rad_s(&joints[1], dt_s) else { continue };
+        let control = ControlLoop {
+            dt_s,
+            latency_ticks: control.latency_ticks,
+            late_s: 0.0,
+            bandwidth_rad_s: control.bandwidth_rad_s.unwrap_or(by_rule),
+            kp_per_s2: f64::from(Settings::<usize>::default().kp),
+            torque_share: 1.0,
+        };
+        dof.control = Some(of_joint(joints, gear.play, control));
     }
 }
 
@@ -83,11 +73,12 @@ fn joint(gear: SoftGear, load_inertia: f64) -> FlexibleJoint {
     FlexibleJoint { rotor_inertia, load_inertia, stiffness, gear_damping, damping }
 }
 
-/// The bandwidth by the rule, rad/s.
-fn rule_rad_s(joint: &FlexibleJoint, dt_s: f64) -> f64 {
-    let load_inertia = joint.load_inertia.max(joint.rotor_inertia);
-    let both = joint.resonance_rad_s() * libm::sqrt(1.0 + joint.rotor_inertia / load_inertia);
-    (RULE_SHARE * both).min(RULE_MOST_RAD_S).min(1.0 / dt_s)
+/// The bandwidth of a joint's observer by the rule, rad/s.
+fn bandwidth_rad_s(heaviest: &FlexibleJoint, dt_s: f64) -> Option<f64> {
+    let FlexibleJoint { rotor_inertia, load_inertia, stiffness, .. } = *heaviest;
+    let [stiffness, rotor, load, dt_s] = [stiffness, rotor_inertia, load_inertia, dt_s].map(single);
+    let bandwidth = Bandwidth::of_loaded_gear(stiffness, rotor, load, dt_s).ok()?;
+    Some(f64::from(bandwidth.rad_s))
 }
 
 /// The largest bandwidth below that of the loop at which nothing grows, rad/s.

@@ -16,7 +16,7 @@ mod servos;
 mod tests;
 
 use sinew_core::coordinates::CoordinatesError;
-use sinew_core::dynamics::{OuterJoints, reflected_inertia};
+use sinew_core::dynamics::{OuterJoints, ReflectedInertia, reflected_inertia};
 use sinew_core::{JointStates, TreeError};
 
 use crate::mechanism::{BODY_COUNT_MAX, JointModel, Link, Mechanism};
@@ -25,6 +25,7 @@ use crate::number::single;
 pub use finding::KG_M2_PER_G_MM2;
 pub use flexible_joint::{ControlLoop, FlexibleJoint, Margins, Stability};
 pub use gain::largest_stable_angle;
+pub(crate) use gravity::spread;
 pub use gravity::{WorstLoad, holding_effort, worst_load};
 pub use reach::reach_m;
 pub use results::{
@@ -43,19 +44,19 @@ impl Review {
         let mut pose = JointStates::rest(&tree);
         let still = vec![0.0; tree.dof_count()];
         pose.set_coordinates(&tree, &home, &still)?;
-        let [locked, free] = [OuterJoints::Locked, OuterJoints::Free].map(|outer| {
-            inertia::of_dofs(mechanism, &reflected_inertia(&tree, &pose, outer), &mechanism.home())
-        });
+        let [locked, free] = [OuterJoints::Locked, OuterJoints::Free]
+            .map(|outer| reflected_inertia(&tree, &pose, outer));
         let omega = largest_stable_angle(control.latency_ticks) * control.rate_hz;
         let mut names = mechanism.dof_names().into_iter();
         let mut capabilities = servos.by_dof.iter().cloned();
         let mut by_dof = Vec::new();
         for (joint, link) in mechanism.bodies.iter().enumerate() {
+            let [locked, free] =
+                [&locked, &free].map(|all| all.get(joint).copied().unwrap_or_default());
             for axis in 0..link.joint.kind().dof_count() {
                 let servo = capabilities.next().flatten();
                 let worst = worst_load(mechanism, joint, axis);
-                let [inertia, inertia_free] =
-                    [&locked, &free].map(|all| all.get(by_dof.len()).copied().unwrap_or_default());
+                let inertia_free = along(&free, link, axis);
                 let reach_m = reach_m(mechanism, joint);
                 let slides = slides(link, axis);
                 by_dof.push(DofReview {
@@ -65,7 +66,7 @@ impl Review {
                     gravity_pose: worst.q,
                     effort_limit: finite(link.effort),
                     speed_limit: finite(link.speed),
-                    inertia,
+                    inertia: along(&locked, link, axis),
                     inertia_free,
                     rotor_inertia: link.rotor_inertia,
                     control: None,
@@ -129,4 +130,21 @@ fn slides(link: &Link, axis: usize) -> bool {
         JointModel::Free => axis >= 3,
         _ => false,
     }
+}
+
+/// Inertia along one dof, in the home pose.
+pub(crate) fn along(inertia: &ReflectedInertia, link: &Link, axis: usize) -> f64 {
+    along_at(inertia, link, axis, &link.home)
+}
+
+/// Inertia along one dof, where the joint's coordinates are `q`.
+fn along_at(inertia: &ReflectedInertia, link: &Link, axis: usize, q: &[f64]) -> f64 {
+    if slides(link, axis) {
+        return f64::from(inertia.linear_kg);
+    }
+    let (turns, _) = link.joint.axes(q);
+    turns.get(axis).map_or(0.0, |turn| {
+        let turn = turn.as_vec3();
+        f64::from(turn.dot(inertia.angular_kg_m2.mul_vec3(turn)))
+    })
 }

@@ -32,6 +32,7 @@ fn main() -> ! {
         let rig = BoardRig::decode(RIG).map_err(|_| "the rig cannot be read")?;
         let current = CurrentSettings {
             encoder: Encoder::default(),
+            blind_rad: 0.0059,
             current_a: 0.8,
             cut_off: CutOff::default(),
         };

@@ -249,9 +249,13 @@ fn id(index: usize) -> u8 {
 
 fn setup() -> ServoSetup {
     let cut_off = CutOff { warm_c: 65.0, hot_c: 69.0, ..CutOff::default() };
-    let current = CurrentSettings { encoder: Encoder::default(), current_a: CURRENT_A, cut_off };
+    let encoder = Encoder::default();
+    let current = CurrentSettings { encoder, blind_rad: 0.0059, current_a: CURRENT_A, cut_off };
     ServoSetup {
         drive: DriveSettings::Current(current),
+        // An XL330's gear with a light load: half its play and a step of its encoder.
+        bandwidth_rad_s: 40.0,
+        rest_rad: 0.0059,
         heat: HeatSettings::default(),
         supply: SupplySettings::of(5.0, 3.5, 7.0),
         winding: WindingSettings::of_stall(STALL_A),

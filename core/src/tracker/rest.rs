@@ -1,0 +1,124 @@
+//! Joints at rest: small errors of a target that stands are left alone.
+
+use crate::joint_states::JointStates;
+use crate::joint_targets::JointTargets;
+use crate::math;
+use crate::tree::Tree;
+
+/// A target that is slower than this stands, rad/s; of slides this is in units of 0.1 m/s.
+pub const STANDS_RAD_S: f32 = 0.02;
+/// A joint that is faster than this does not rest yet, rad/s: it glides through its zone.
+const GLIDES_RAD_S: f32 = 0.2;
+/// Time in which a zone opens, s, and in which it closes.
+const OPENS_S: f32 = 0.1;
+const CLOSES_S: f32 = 0.02;
+/// A slide's speed counts as this many rad for a metre.
+const SLIDE_RAD_M: f32 = 10.0;
+
+/// The rest zones of all joints.
+///
+/// An encoder behind a gear with play does not tell where in its play a joint is, and stiction holds a joint that is
+/// slightly off. A loop that corrects such an error hunts. So an error within a zone of half the play and a step of the
+/// encoder counts as none while the target stands, and the rest of a larger error is what lies beyond the zone. The zone
+/// opens and closes over several ticks: no command jumps.
+#[derive(Debug)]
+pub(super) struct Rest<const N: usize> {
+    dt_s: f32,
+    /// By joint: radius of its zone, rad or m; 0 for none.
+    radii: [f32; N],
+    /// By joint: the share of its zone that is open; above 1 where the joint is within it.
+    open: [f32; N],
+    is_set: bool,
+}
+
+/// A mark on a zone that is open and has its joint within it.
+const WITHIN: f32 = 2.0;
+
+impl<const N: usize> Rest<N> {
+    /// Creates rest zones for an empty tree.
+    #[inline(never)]
+    pub(super) fn uninit() -> Self {
+        Self { dt_s: 0.0, radii: [0.0; N], open: [0.0; N], is_set: false }
+    }
+
+    /// Removes all zones.
+    pub(super) fn init(&mut self, dt_s: f32) {
+        self.dt_s = dt_s;
+        self.is_set = false;
+    }
+
+    /// Sets the radius of each joint's zone.
+    pub(super) fn set(&mut self, radii: &[f32]) {
+        self.radii.fill(0.0);
+        self.open.fill(0.0);
+        self.radii.iter_mut().zip(radii).for_each(|(own, radius)| *own = *radius);
+        self.is_set = true;
+    }
+
+    /// Whether a joint rests.
+    pub(super) fn rests(&self, joint: usize) -> bool {
+        self.is_set && self.open.get(joint).is_some_and(|open| *open >= WITHIN)
+    }
+
+    /// Takes off the targets what is within the zones. O(n).
+    #[inline(never)]
+    pub(super) fn apply(
+        &mut self,
+        tree: &Tree<N>,
+        targets: &mut JointTargets<N>,
+        states: &JointStates<N>,
+    ) {
+        if !self.is_set {
+            return;
+        }
+        let joints = tree.bodies().iter().zip(states.as_slice());
+        let zones = self.radii.iter().zip(&mut self.open);
+        for (joint, ((body, state), (radius, open))) in joints.zip(zones).enumerate() {
+            let (Some(target), Some(acceleration)) =
+                (targets.states().get(joint).copied(), targets.accelerations().get(joint).copied())
+            else {
+                return;
+            };
+            if *radius <= 0.0 {
+                continue;
+            }
+            let speed = |velocity: crate::Twist| {
+                math::length(velocity.angular) + SLIDE_RAD_M * math::length(velocity.linear)
+            };
+            let stands =
+                speed(target.velocity) < STANDS_RAD_S && speed(state.velocity) < GLIDES_RAD_S;
+            let was = open.min(1.0);
+            *open = if stands {
+                (was + self.dt_s / OPENS_S).min(1.0)
+            } else {
+                (was - self.dt_s / CLOSES_S).max(0.0)
+            };
+            if *open <= 0.0 {
+                continue;
+            }
+            let zone = *radius * *open;
+            let mut nearer = target;
+            let off = if body.joint.slides() {
+                let way = target.pose.translation_m - state.pose.translation_m;
+                let off = math::length(way);
+                nearer.pose.translation_m = state.pose.translation_m + way * beyond(off, zone);
+                off
+            } else {
+                let turn = math::log(math::turn_in_body(state.pose.rotation, target.pose.rotation));
+                let off = math::length(turn);
+                nearer.pose.rotation = state.pose.rotation * math::exp(turn * beyond(off, zone));
+                off
+            };
+            if off <= zone && *open >= 1.0 {
+                *open = WITHIN;
+            }
+            // States and targets are finite, with unit rotations.
+            let _ = targets.put(joint, nearer, acceleration);
+        }
+    }
+}
+
+/// The share of an error that lies beyond a zone.
+fn beyond(off: f32, zone: f32) -> f32 {
+    if off > zone { (off - zone) / off } else { 0.0 }
+}

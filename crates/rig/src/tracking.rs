@@ -1,0 +1,150 @@
+//! What the gear of each servo allows its joint's loop: the observer's bandwidth, and the zone in which the joint rests.
+
+use sinew_core::bandwidth::Bandwidth;
+use sinew_core::coordinates::CoordinatesError;
+use sinew_core::dynamics::{OuterJoints, ReflectedInertia, reflected_inertia};
+use sinew_core::{JointStates, TreeError};
+
+use crate::actuation::JoinedDrive;
+use crate::description::{Description, DescriptionError};
+use crate::drive::DriveInputError;
+use crate::mechanism::{BODY_COUNT_MAX, Link, Mechanism};
+use crate::number::single;
+use crate::review::{along, spread};
+
+/// Poses in which the greatest load of a joint is looked for.
+const POSES: u32 = 64;
+
+/// What the gear of one servo allows its joint's loop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ServoTracking {
+    /// Bandwidth of the joint's observer, and its reason; none of a servo that moves no joint.
+    pub bandwidth: Option<Bandwidth>,
+    /// The greatest inertia that the servo moves, at its own shaft, kg m², its rotor left out.
+    pub load_inertia_kg_m2: f64,
+    /// Half the play of its gear and a step of its encoder, at its own shaft, rad.
+    pub blind_rad: f64,
+    /// The same at its joint, rad (of slides, m): the radius of the joint's rest zone.
+    pub rest: f64,
+}
+
+/// Why there is no such list.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TrackingError {
+    /// A servo or a drive is invalid.
+    #[error(transparent)]
+    Description(#[from] DescriptionError),
+    /// The bodies are no tree of `sinew-core`.
+    #[error(transparent)]
+    Tree(#[from] TreeError),
+    /// A pose is not one of that tree.
+    #[error("a pose within the ranges: {0}")]
+    Pose(#[from] CoordinatesError),
+    /// A drive does not take the home pose.
+    #[error("a drive at the home pose: {0}")]
+    Drive(#[from] DriveInputError),
+}
+
+/// Returns what each servo of a rig allows, in the rig's order, for a loop of `dt_s` seconds: see
+/// [`Bandwidth::of_loaded_gear`]. Levers are those of the home pose, loads the greatest of 64 poses. O(n).
+///
+/// # Errors
+/// [`TrackingError`] if the rig does not fit `sinew-core`, or a drive or a servo is invalid.
+pub fn tracking(
+    rig: &Description,
+    mechanism: &Mechanism,
+    dt_s: f64,
+) -> Result<Vec<ServoTracking>, TrackingError> {
+    let actuation = rig.actuation()?;
+    let loads = greatest_loads(mechanism)?;
+    let mut servos: Vec<ServoTracking> = rig
+        .servos
+        .iter()
+        .map(|servo| {
+            // `actuation` has refused models that are not known.
+            let model = rig.servo_model(&servo.model).unwrap_or_default();
+            let blind_rad = model.half_play_rad() + model.resolution_rad.value;
+            ServoTracking { bandwidth: None, load_inertia_kg_m2: 0.0, blind_rad, rest: 0.0 }
+        })
+        .collect();
+    for drive in &actuation.drives {
+        let Some((home, loads)) = of_drive(rig, mechanism, drive, &loads) else { continue };
+        let pose = drive.drive.at_joints(&home)?;
+        for (place, index) in drive.servos.iter().enumerate() {
+            let mut alone = vec![0.0; drive.servos.len()];
+            alone[place] = 1.0;
+            let moved = pose.joint_velocities(&alone)?;
+            let share = f64::from(pose.servo_velocities(&moved)?[place]);
+            let gear = f64::from(actuation.servos[*index].settings().gear).abs();
+            let square = |(load, moved): (&f64, &f32)| load * f64::from(*moved).powi(2);
+            let at_shaft: f64 = loads.iter().zip(&moved).map(square).sum();
+            // Servos that share a joint share what it moves.
+            let load = if share > 0.0 { at_shaft / share / (gear * gear) } else { 0.0 };
+            let Some(model) = rig.servo_model(&rig.servos[*index].model) else { continue };
+            let (stiffness, rotor) = (model.gear_stiffness(), model.rotor_inertia_kg_m2.value);
+            // Hobby servos are of no known rotor: nothing is closed round them.
+            let bandwidth = Bandwidth::of_loaded_gear(
+                single(stiffness),
+                single(rotor),
+                single(load).max(f32::MIN_POSITIVE),
+                single(dt_s),
+            );
+            let servo = &mut servos[*index];
+            servo.bandwidth = bandwidth.ok();
+            servo.load_inertia_kg_m2 = load;
+            let farthest = moved.iter().map(|moved| f64::from(moved.abs())).fold(0.0, f64::max);
+            servo.rest = servo.blind_rad / gear * farthest;
+        }
+    }
+    Ok(servos)
+}
+
+/// Home positions of a drive's dofs, and the greatest inertia of each; none if a joint of it was merged.
+fn of_drive(
+    rig: &Description,
+    mechanism: &Mechanism,
+    drive: &JoinedDrive,
+    loads: &[Vec<f64>],
+) -> Option<(Vec<f32>, Vec<f64>)> {
+    let (mut home, mut own) = (Vec::new(), Vec::new());
+    for joint in &drive.joints {
+        let name = &rig.joints[*joint].name;
+        let body = mechanism.bodies.iter().position(|link| link.joint_name == *name)?;
+        let link = &mechanism.bodies[body];
+        let count = link.joint.kind().dof_count();
+        if link.home.len() == count {
+            home.extend(link.home.iter().copied().map(single));
+        } else {
+            // The home of a ball joint is its zero pose.
+            home.extend(vec![0.0; count]);
+        }
+        own.extend(&loads[body]);
+    }
+    Some((home, own))
+}
+
+/// The greatest inertia along each dof of each body, its rotors left out, with all joints beyond it held.
+fn greatest_loads(mechanism: &Mechanism) -> Result<Vec<Vec<f64>>, TrackingError> {
+    let tree = mechanism.tree::<BODY_COUNT_MAX>()?;
+    let still = vec![0.0; tree.dof_count()];
+    let mut pose = JointStates::rest(&tree);
+    let dofs = |link: &Link| link.joint.kind().dof_count();
+    let mut greatest: Vec<Vec<f64>> =
+        mechanism.bodies.iter().map(|link| vec![0.0; dofs(link)]).collect();
+    for number in 0..POSES {
+        let q = if number == 0 { mechanism.home() } else { spread(mechanism, number) };
+        let q: Vec<f32> = q.into_iter().map(single).collect();
+        pose.set_coordinates(&tree, &q, &still)?;
+        let inertias = reflected_inertia(&tree, &pose, OuterJoints::Locked);
+        for ((link, inertia), greatest) in mechanism.bodies.iter().zip(&inertias).zip(&mut greatest)
+        {
+            let inertia: &ReflectedInertia = inertia;
+            for (axis, greatest) in greatest.iter_mut().enumerate() {
+                let load = along(inertia, link, axis) - link.rotor_inertia;
+                *greatest = greatest.max(load);
+            }
+        }
+    }
+    Ok(greatest)
+}
