@@ -134,27 +134,27 @@ fn of_dof(dof: &DofReview, lift_nm: f64) -> Vec<(Severity, String)> {
     found
 }
 
-/// A loop through a soft gear that swings by itself, or would if the gear were softer and looser.
+/// A loop through a soft gear that shakes by itself, or would if the gear were softer and looser.
 fn of_loop(dof: &DofReview) -> Option<(Severity, String)> {
     let control = dof.control.as_ref()?;
     let LoopReview { resonance_hz, bandwidth_rad_s, bearable_rad_s, .. } = *control;
     let bearable_rad_s = bearable_rad_s?;
-    let help = format!(
-        "at most {bearable_rad_s:.0} rad/s would hold; a stiffer gear, fewer ticks of latency or driving it by position \
-         would help, too"
-    );
-    let gear = format!("its gear swings at {resonance_hz:.1} Hz with the load held");
-    Some(if control.nominal.margins.is_none() {
-        let grown = format!(
-            "{gear}: driven by current with an observer of {bandwidth_rad_s:.0} rad/s it shakes by itself; {help}"
-        );
-        (Severity::Fault, grown)
+    let help = if bearable_rad_s > 0.0 {
+        format!("take at most {bearable_rad_s:.0} rad/s, a stiffer gear, or drive it by position")
     } else {
-        let grown = format!(
-            "{gear}: with half its stiffness and twice its play it would shake with an observer of {bandwidth_rad_s:.0} \
-             rad/s; {help}"
+        "no bandwidth helps: take a stiffer gear, or drive it by position".to_owned()
+    };
+    let observer = format!("an observer of {bandwidth_rad_s:.0} rad/s");
+    Some(if control.nominal.margins.is_none() {
+        let shakes = format!(
+            "by current it shakes: {observer} is too fast for its gear, which swings at {resonance_hz:.1} Hz; {help}"
         );
-        (Severity::Warning, grown)
+        (Severity::Fault, shakes)
+    } else {
+        let shakes = format!(
+            "with half its gear's stiffness and twice its play it would shake by {observer}; {help}"
+        );
+        (Severity::Warning, shakes)
     })
 }
 

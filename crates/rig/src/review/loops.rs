@@ -81,13 +81,16 @@ fn bandwidth_rad_s(heaviest: &FlexibleJoint, dt_s: f64) -> Option<f64> {
     Some(f64::from(bandwidth.rad_s))
 }
 
-/// The largest bandwidth below that of the loop at which nothing grows, rad/s.
+/// The largest bandwidth below that of the loop at which nothing grows, rad/s; 0 if there is none.
 fn bearable_rad_s(joints: &[FlexibleJoint], control: ControlLoop) -> f64 {
     let decays = |bandwidth_rad_s: f64| {
         let control = ControlLoop { bandwidth_rad_s, ..control };
         joints.iter().all(|joint| control.growth_per_s(joint) < 0.0)
     };
     let (mut least, mut most) = (LEAST_RAD_S, control.bandwidth_rad_s);
+    if !decays(least) {
+        return 0.0;
+    }
     for _ in 0..HALVINGS {
         let middle = 0.5 * (least + most);
         if decays(middle) {

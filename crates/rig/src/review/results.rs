@@ -104,7 +104,8 @@ pub struct LoopReview {
     pub nominal: Stability,
     /// The same of a gear that is half as stiff, and has twice the play.
     pub worst: Stability,
-    /// The largest bandwidth at which all of that is stable, rad/s; none if that of the observer is less.
+    /// The largest bandwidth at which all of that is stable, rad/s, 0 if it is at no bandwidth; none if that of the
+    /// observer is less.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bearable_rad_s: Option<f64>,
 }

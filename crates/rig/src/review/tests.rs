@@ -195,3 +195,42 @@ fn friction_that_no_drive_overcomes_is_found() {
         review.findings.iter().any(|finding| finding.text.starts_with("friction takes 17.000"));
     assert!(found, "{:?}", review.findings);
 }
+
+/// An arm of XL330: as it was, with 100 rad/s for all joints, and by the rule.
+#[test]
+fn a_loop_that_its_gear_does_not_bear_is_found() {
+    let rig = crate::new::arm(6).unwrap();
+    let mechanism = rig.mechanism().unwrap();
+    let of = |bandwidth_rad_s, latency_ticks, is_by_current: fn(&str) -> bool| {
+        let servos = Servos::of(&rig, &mechanism).unwrap().with_loops_of(is_by_current);
+        let control = Loop { rate_hz: 500.0, latency_ticks, bandwidth_rad_s };
+        Review::of(&mechanism, &servos, control).unwrap()
+    };
+    let found = |review: &Review| -> Vec<(Severity, String)> {
+        let found = review.findings.iter().filter(|finding| finding.text.contains("shake"));
+        found.map(|finding| (finding.severity, finding.about.clone())).collect()
+    };
+    let by_rule = of(None, 1, |_| true);
+    assert_eq!(found(&by_rule), []);
+    for dof in &by_rule.by_dof {
+        let control = dof.control.unwrap();
+        let margins = control.nominal.margins.unwrap();
+        assert!(margins.phase_deg > 30.0 && margins.gain.unwrap() > 2.0, "{dof:?}");
+        assert!(control.worst.margins.is_some(), "{dof:?}");
+        let [least, most] = control.load_inertia;
+        assert!(0.0 < least && least <= most, "{dof:?}");
+    }
+    let fast = of(Some(100.0), 1, |_| true);
+    let joints = ["joint turn1", "joint bend2", "joint bend3"];
+    assert_eq!(found(&fast), joints.map(|name| (Severity::Warning, name.to_owned())));
+    // The bandwidth that the finding names is borne, and hardly more is not.
+    let bearable = fast.by_dof[1].control.unwrap().bearable_rad_s.unwrap();
+    assert_eq!(found(&of(Some(0.99 * bearable), 1, |_| true)), []);
+    assert!(!found(&of(Some(1.01 * bearable), 1, |_| true)).is_empty());
+    let too_late = of(Some(400.0), 4, |_| true);
+    assert!(found(&too_late).iter().any(|(severity, _)| *severity == Severity::Fault));
+    // A servo in position mode closes a loop of its own.
+    let mixed = of(Some(100.0), 1, |servo| servo == "bend3");
+    assert_eq!(found(&mixed), [(Severity::Warning, "joint bend3".to_owned())]);
+    assert_eq!(mixed.by_dof.iter().filter(|dof| dof.control.is_some()).count(), 1);
+}
