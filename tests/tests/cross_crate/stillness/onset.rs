@@ -22,6 +22,8 @@ const WINDUP_RAD: f64 = 1e-3;
 const AWAY_RAD: f64 = 2e-4;
 /// A swing below this is noise of f32, rad.
 const NOISE_RAD: f64 = 2e-6;
+/// A swing above this may have all that the limits allow, rad.
+const LARGE_RAD: f64 = 5e-4;
 /// How far apart both onsets may be.
 const CLOSE: f64 = 0.15;
 
@@ -174,7 +176,9 @@ impl Case {
                 *slot = slot.max(gear.shaft.position_rad.abs());
             }
         }
-        largest[2] > largest[1] && largest[2] > NOISE_RAD
+        // What grows fast is soon as large as the observer's limits let it be, and then no longer grows.
+        let is_at_limits = largest[2] > LARGE_RAD && largest[2] > 0.9 * largest[1];
+        largest[2] > NOISE_RAD && largest[2] > largest[1] || is_at_limits
     }
 }
 
