@@ -11,6 +11,7 @@
 //! - [`device`]: the firmware behind the registers of `sinew-servo-bus`' devices.
 //! - [`supply`], [`fault`], [`load`]: what servos share, what goes wrong, and what they move.
 //! - [`mod@bench`]: all of it in simulated time.
+//! - [`variation`]: servos and rigs that differ from what their controller believes.
 //! - [`registers`]: servos without physics; [`kind`]: what there is of which servo, by its name.
 //! - [`mod@rig`]: the servos of a rig, each with what it moves by itself; [`plant`]: the rig on all of them.
 //! - [`mod@line`]: a stream of bytes to a bench and back, in simulated or real time.
@@ -76,6 +77,7 @@
 //! - `load`, `rig`, `plant/`, `supply`: what servos move, alone or together, and what feeds them.
 //! - `fault/`: faults of servos and lines, and the words that order them.
 //! - `kind`, `fleet`: kinds by their names; any servos, on a line for each bus.
+//! - `variation`: differences between a simulated plant and its rig's file, and the words that order them.
 //! - `published/`, `models/`: published figures against simulated ones; figures that `sinew-rig` lacks.
 
 #![forbid(unsafe_code)]
@@ -98,4 +100,5 @@ mod random;
 pub mod registers;
 pub mod rig;
 pub mod supply;
+pub mod variation;
 mod wire;

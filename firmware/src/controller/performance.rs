@@ -91,10 +91,10 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
                 (least, sum) = (least.min(servo.bandwidth_rad_s), sum + servo.rest_rad);
             }
             for dof in &drive.dofs {
-                let mut next = 0;
+                let mut next = 0_usize;
                 // The joint that has this dof.
                 let joint = bodies.iter().position(|body| {
-                    next += body.joint.dof_count();
+                    next = body.joint.dof_count().saturating_add(next);
                     usize::from(*dof) < next
                 });
                 let joint = joint.unwrap_or(BODIES);

@@ -20,6 +20,9 @@ pub struct PositionSettings {
     /// The servo's P gain over that which its stiffness is known for, as it left the factory: it may be read from the
     /// servo.
     pub gain_ratio: f32,
+    /// Torque that a speed of the servo takes besides friction, N m s: the back-EMF of a motor at a voltage, which is its
+    /// torque at stall over its speed without load.
+    pub drag_nm_s: f32,
     /// The largest offset either way, rad. 0 for none.
     pub offset_rad: f32,
     /// The fastest change of the offset, rad/s.
@@ -32,23 +35,25 @@ pub struct PositionSettings {
     pub profile: bool,
 }
 
-/// Offsets up to 0.35 rad (20 deg) at 1 rad/s, by profile, with the gain as shipped.
+/// Offsets up to 0.35 rad (20 deg) at 5 rad/s, which friction asks for where a joint turns back, by profile, with the
+/// gain as shipped.
 impl Default for PositionSettings {
     fn default() -> Self {
         Self {
             encoder: Encoder::default(),
             gain_ratio: 1.0,
+            drag_nm_s: 0.0,
             offset_rad: 0.35,
-            offset_rad_s: 1.0,
+            offset_rad_s: 5.0,
             cut_off: CutOff::default(),
             profile: true,
         }
     }
 }
 
-/// Position control by the servo itself: the target within range, speed and acceleration, and an offset of the
-/// feed-forward effort over the servo's own stiffness. A servo that holds `k` N m/rad sags by `effort / k`; sent as far
-/// beyond its target, it sags onto it.
+/// Position control by the servo itself: the target a tick ahead, within range, speed and acceleration, and an offset of
+/// the feed-forward effort, friction and back-EMF over the servo's own stiffness. A servo that holds `k` N m/rad sags by
+/// `effort / k`; sent as far beyond its target, it sags onto it.
 ///
 /// There is no feedback effort in it: see [the module](super). Without fresh readings, and where it is hot, the offset
 /// fades to nothing at its own rate; the target stays. O(1).
@@ -84,6 +89,7 @@ impl PositionDrive {
         settings.encoder.check(servo)?;
         settings.cut_off.check()?;
         SettingError::check("gain_ratio", settings.gain_ratio, [0.01, 100.0])?;
+        SettingError::check("drag_nm_s", settings.drag_nm_s, [0.0, 1e4])?;
         SettingError::check("offset_rad", settings.offset_rad, [0.0, 1.0])?;
         SettingError::check("offset_rad_s", settings.offset_rad_s, [0.01, 100.0])?;
         let mut drive = Self {
@@ -110,9 +116,14 @@ impl PositionDrive {
     /// A tick. Numbers are finite: [`Drives`](super::Drives) checks them.
     pub fn command(&mut self, target: &ShaftTarget, condition: &Condition) -> ServoCommand {
         let gear = self.servo.settings().gear;
-        let own_rad = gear * target.position_rad + self.servo.settings().offset_rad;
+        // Where it is to be when the next goal comes: until then the servo has this one.
+        let ahead_rad = target.position_rad + target.velocity_rad_s * self.dt_s;
+        let own_rad = gear * ahead_rad + self.servo.settings().offset_rad;
         let (at_rad, followed) = self.follower.step(own_rad, gear * target.velocity_rad_s);
-        let offset_limit = self.follow_offset(target.feedforward_nm, condition);
+        let friction_nm = self.servo.shaft_friction(target.velocity_rad_s).unwrap_or(0.0);
+        let drag_nm = self.settings.drag_nm_s * gear * gear * target.velocity_rad_s;
+        let offset_limit =
+            self.follow_offset(target.feedforward_nm + friction_nm + drag_nm, condition);
 
         let [least, most] = self.servo.settings().range_rad;
         let wanted_rad = at_rad + self.offset_rad;

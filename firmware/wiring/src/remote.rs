@@ -142,6 +142,7 @@ struct PositionOf {
     #[serde(with = "EncoderOf")]
     encoder: Encoder,
     gain_ratio: f32,
+    drag_nm_s: f32,
     offset_rad: f32,
     offset_rad_s: f32,
     #[serde(with = "CutOffOf")]

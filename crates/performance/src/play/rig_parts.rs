@@ -11,6 +11,7 @@ use sinew_servo_bus::Schedule;
 use sinew_servo_sim::plant::RigPlant;
 use sinew_servo_sim::rig::{RigServosError, servos};
 use sinew_servo_sim::supply::Supply;
+use sinew_servo_sim::variation::Variation;
 
 use super::CompactRig;
 use super::error::PartsError;
@@ -49,6 +50,7 @@ pub struct RigParts {
     /// What a tick takes the reference board besides its bus by the estimate, µs, and the ticks a second that it holds
     /// with that; none if it holds none that servos of this drive need.
     pub on_board: (u32, Option<u32>),
+    variation: Variation,
 }
 
 impl RigParts {
@@ -133,7 +135,17 @@ impl RigParts {
             rate_hz,
             on_board,
             board,
+            variation: Variation::default(),
         })
+    }
+
+    /// Makes the simulated plant differ from what the controller believes, once.
+    pub fn vary(&mut self, variation: Variation) {
+        let tick_s = 1e-6 * f64::from(self.tick_us());
+        for part in &mut self.servos {
+            variation.change_servo(&mut part.own.kind, tick_s);
+        }
+        self.variation = variation;
     }
 
     /// The CRC by which shows name this rig.
@@ -176,7 +188,7 @@ impl RigParts {
         self.schedule.tick_us()
     }
 
-    /// The rig on the shafts of its servos, whatever their line.
+    /// The rig on the shafts of its servos, whatever their line, varied as [`Self::vary`] has it.
     ///
     /// # Errors
     /// [`RigServosError`].
@@ -187,7 +199,9 @@ impl RigParts {
     ) -> Result<RigPlant, RigServosError> {
         let servos = self.lines.iter().flat_map(|line| &line.servos);
         let names: Vec<&str> = servos.map(|servo| self.servos[*servo].own.name.as_str()).collect();
-        RigPlant::new(rig, mechanism, &names)
+        let mut bodies = mechanism.clone();
+        self.variation.change_bodies(&mut bodies);
+        RigPlant::new(rig, &bodies, &names)
     }
 
     /// Where a servo stands among all, line after line.

@@ -162,6 +162,7 @@ pub(super) fn setup(rig: &Description, part: &ServoPart, gear: &ServoTracking) -
             }
             Drive::Position => DriveSettings::Position(PositionSettings {
                 encoder,
+                drag_nm_s: stall_nm / single(no_load_rad_s(&part.own)),
                 cut_off,
                 ..PositionSettings::default()
             }),

@@ -7,6 +7,8 @@ mod feetech;
 pub(crate) mod limits;
 mod on_line;
 
+use std::collections::VecDeque;
+
 use sinew_servo_bus::dynamixel::table::{BAUDS as DYNAMIXEL_BAUDS, address};
 use sinew_servo_bus::feetech::table::{BAUDS as FEETECH_BAUDS, address as feetech_address};
 
@@ -38,6 +40,9 @@ pub struct Servo<'m> {
     motor: Motor,
     heat: Heat,
     sensed: Sensed,
+    /// What it sensed in its last ticks, the newest first; it tells the last of them.
+    past: VecDeque<Sensed>,
+    delay_ticks: usize,
     power: Power,
     draw: Draw,
     rad_per_count: f64,
@@ -92,6 +97,9 @@ impl<'m> Servo<'m> {
             motor: Motor::new(kind),
             heat: Heat::new(kind),
             sensed: Sensed { supply_v: kind.voltage_v, ..Sensed::default() },
+            past: VecDeque::new(),
+            delay_ticks: usize::try_from(whole(kind.reading_delay_s / (f64::from(steps) * STEP_S)))
+                .unwrap_or_default(),
             power: Power::Open,
             draw: Draw::default(),
             rad_per_count,
@@ -115,6 +123,7 @@ impl<'m> Servo<'m> {
     pub fn place(&mut self, position_rad: f64) {
         self.gear.place(position_rad);
         self.sensed.position = whole(position_rad / self.rad_per_count);
+        self.past.clear();
         match &mut self.program {
             Program::Dynamixel(servo) => servo.restart(self.sensed.position),
             Program::Feetech(servo) => servo.restart(self.sensed.position),
@@ -314,6 +323,10 @@ impl<'m> Servo<'m> {
     fn tick(&mut self) {
         let dt_s = f64::from(self.steps_per_tick) * STEP_S;
         self.sense(dt_s);
+        if self.delay_ticks > 0 {
+            self.past.truncate(self.delay_ticks);
+            self.past.push_front(self.sensed);
+        }
         self.is_published = false;
         if !self.runs() {
             self.starts_in_s = (self.starts_in_s - dt_s).max(0.0);
@@ -326,6 +339,11 @@ impl<'m> Servo<'m> {
             Program::Feetech(servo) => servo.tick(&self.sensed, dt_s),
             Program::Pulse(firmware) => firmware.tick(&self.sensed, dt_s),
         };
+    }
+
+    /// Returns what it tells: what it senses, or sensed when its readings are of.
+    fn told(&self) -> Sensed {
+        self.past.back().copied().unwrap_or(self.sensed)
     }
 
     fn sense(&mut self, dt_s: f64) {

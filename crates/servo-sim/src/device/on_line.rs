@@ -16,17 +16,18 @@ impl BusDevice for Servo<'_> {
         if !self.runs() {
             return;
         }
+        let told = self.told();
         let is_published = std::mem::replace(&mut self.is_published, true);
         match &mut self.program {
             Program::Dynamixel(servo) => {
                 if !is_published {
-                    servo.publish(&self.sensed);
+                    servo.publish(&told);
                 }
                 servo.device.hear(bytes);
             }
             Program::Feetech(servo) => {
                 if !is_published {
-                    servo.publish(&self.sensed);
+                    servo.publish(&told);
                 }
                 servo.device.hear(bytes);
             }

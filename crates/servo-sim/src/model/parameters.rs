@@ -114,6 +114,8 @@ pub struct Parameters {
     pub winding_time_s: f64,
     /// Temperature of the case at which it shuts down, °C.
     pub shutdown_c: f64,
+    /// By how much what it tells is older than its last tick, s.
+    pub reading_delay_s: f64,
     /// Current without motion, A.
     pub standby_a: f64,
     /// Supply below which its program stops, V.
@@ -207,6 +209,7 @@ impl Parameters {
             winding_k_w: case_k_w * extra.winding_share.value,
             winding_time_s: extra.winding_time_s.value,
             shutdown_c: model.shutdown_c.value,
+            reading_delay_s: 0.0,
             standby_a: extra.standby_a.value,
             brown_out_v: extra.brown_out_v.value,
             boot_s: extra.boot_s.value,

@@ -15,6 +15,7 @@ use sinew_host_util::command::note;
 use sinew_host_util::output;
 use sinew_performance::play::{RigParts, ServoChoice, put_servos};
 use sinew_performance::rig_hash;
+use sinew_servo_sim::variation::{Change, Variation};
 use sinew_show::Show;
 
 use super::clips::seconds;
@@ -66,6 +67,13 @@ pub(super) struct Args {
     #[arg(long, value_name = "sim|nucleo|PORT", default_value_t = Target::Sim)]
     target: Target,
 
+    /// Let the simulated plant differ from the rig's file, which the controller believes: a factor on one of
+    /// `stiffness`, `play` and `damping` of gears, `friction`, `rotor` and `torque` of servos, and `masses` of bodies;
+    /// `output-friction`, the part of friction at output shafts, 0 to 1; `delay`, ticks by which readings are older.
+    /// May be repeated.
+    #[arg(long, value_name = "NAME=FACTOR")]
+    plant: Vec<Change>,
+
     #[command(flatten)]
     pace: Pace,
 
@@ -114,6 +122,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
 
 fn play(args: &Args) -> anyhow::Result<ExitCode> {
     args.check()?;
+    let variation = Variation::of(&args.plant)?;
     let written: Vec<&Path> = args.record.iter().map(PathBuf::as_path).collect();
     let read = [
         ("rig", Some(args.rig.as_path())),
@@ -135,7 +144,11 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
         if args.target == Target::Nucleo { args.driven.on_board() } else { args.driven.here() };
     let mut parts = RigParts::new(&rig.description, &rig.mechanism, options)
         .with_context(|| args.rig.display().to_string())?;
+    parts.vary(variation);
     notes::tell(&parts);
+    if let Some(plant) = args.varied() {
+        note(format_args!("the simulated plant differs from {}: {plant}", args.rig.display()));
+    }
     let bytes = args.read_or_bake(&rig, &mut parts, bare)?;
     let rounds = |is_watched| args.rounds(&Show::open(&bytes)?, is_watched);
     match (&args.target, nucleo) {
@@ -161,8 +174,16 @@ impl Args {
         }
         if matches!(self.target, Target::Port(_)) {
             self.target.refuse(&self.driven.given(), "simulated servos: the board has its own")?;
+            let of_plant = [(!self.plant.is_empty(), "--plant")];
+            self.target.refuse(&of_plant, "simulated servos: the board has its own")?;
         }
         Ok(())
+    }
+
+    /// Returns how the simulated plant differs, if it does.
+    fn varied(&self) -> Option<String> {
+        let changes: Vec<String> = self.plant.iter().map(ToString::to_string).collect();
+        (!changes.is_empty()).then(|| changes.join(", "))
     }
 
     /// Returns after how many rounds a loop is stopped; none for a show that ends by itself, or for a loop that goes

@@ -92,7 +92,13 @@ impl Args {
     fn recorder(&self, rig: &LoadedRig, parts: &RigParts) -> anyhow::Result<Option<Recorder>> {
         let begin = |path: &PathBuf| {
             let rig = toml_file::write(&rig.description);
-            let recorder = Recorder::new(path, parts, &rig, &[("show", &self.show)]);
+            let varied = self.varied();
+            let notes = [("show", Some(&self.show)), ("plant", varied.as_ref())];
+            let notes: Vec<(&str, &str)> = notes
+                .iter()
+                .filter_map(|(key, note)| Some((*key, note.as_ref()?.as_str())))
+                .collect();
+            let recorder = Recorder::new(path, parts, &rig, &notes);
             recorder.with_context(|| path.display().to_string())
         };
         self.record.as_ref().map(begin).transpose()

@@ -19,6 +19,7 @@ use sinew_performance::{
 use sinew_retarget::exchange::table;
 use sinew_retarget::feasibility::RigMotion;
 use sinew_servo_sim::device::MEMORY_LEN;
+use sinew_servo_sim::variation::Variation;
 use sinew_show::write::Settings as ShowSettings;
 
 use super::clips::{rate, seconds};
@@ -203,22 +204,13 @@ impl Args {
         let of_rig = || self.rig.display().to_string();
         let guide = read_guide(rig, self.guide.as_deref())?;
         let mut parts = self.parts(rig)?;
-        let friction_scale = self.friction_scale.unwrap_or(1.0);
-        for part in &mut parts.servos {
-            let kind = &mut part.own.kind;
-            for friction in [&mut kind.friction_nm, &mut kind.stribeck_nm, &mut kind.load_friction]
-            {
-                *friction *= friction_scale;
-            }
-        }
-        let mass_scale = self.mass_scale.unwrap_or(1.0);
-        let mut heavy = rig.mechanism.clone();
-        for body in &mut heavy.bodies {
-            body.mass_kg *= mass_scale;
-            body.inertia_kg_m2 *= mass_scale;
-        }
+        parts.vary(Variation {
+            masses: self.mass_scale.unwrap_or(1.0),
+            friction: self.friction_scale.unwrap_or(1.0),
+            ..Variation::default()
+        });
         let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
-        let plant = parts.plant(&rig.description, &heavy).with_context(of_rig)?;
+        let plant = parts.plant(&rig.description, &rig.mechanism).with_context(of_rig)?;
         let mut sim = SimulatedRig::new(&parts, None, &mut memories, plant).with_context(of_rig)?;
         let mut last = None;
         let tell = |time_s: f64, state: State| {
