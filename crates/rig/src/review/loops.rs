@@ -37,7 +37,8 @@ pub(super) fn review(by_dof: &mut [DofReview], inertias: &[[f64; 2]], control: L
             dt_s,
             latency_ticks: control.latency_ticks,
             late_s: 0.0,
-            bandwidth_rad_s: control.bandwidth_rad_s.unwrap_or(by_rule),
+            // An observer cannot be faster than its ticks.
+            bandwidth_rad_s: control.bandwidth_rad_s.unwrap_or(by_rule).min(control.rate_hz),
             kp_per_s2: f64::from(Settings::<usize>::default().kp),
             torque_share: 1.0,
         };
