@@ -15,7 +15,7 @@
 //! - `drive/`, `servo`, `limited`: joints to servos and back, with equal power on both sides (`no_std`).
 //! - `servo_model`, `actuation/`: kinds of servo (`models/`, each value with its source), and what joints get from
 //!   them.
-//! - `review/`: what `sinew rig check` reports.
+//! - `review/`: what `sinew rig check` reports; `flexible_joint/` is the linear model of a loop through a soft gear.
 //! - `tracking`: bandwidth and rest zone of each joint, by its servos' gears.
 //! - `board/`: the compact form that boards read.
 //! - `new/`: an arm and a face to start from.

@@ -202,7 +202,7 @@ impl Args {
 
 /// Says what of a rig is too weak for its own weight, as `sinew rig check` finds it.
 fn tell_faults(rig: &LoadedRig) -> anyhow::Result<()> {
-    let control = Loop { rate_hz: RIG_RATE_HZ, latency_ticks: 1 };
+    let control = Loop { rate_hz: RIG_RATE_HZ, latency_ticks: 1, bandwidth_rad_s: None };
     let review = review(rig, control)?;
     for Finding { about, text, .. } in
         review.findings.iter().filter(|finding| finding.severity == Severity::Fault)

@@ -11,7 +11,7 @@ fn a_builder_can_move_a_rig() {
     let description = sinew_rig::new::arm(6).unwrap();
     let mechanism = description.mechanism().unwrap();
     let servos = Servos::of(&description, &mechanism).unwrap();
-    let control = Loop { rate_hz: 500.0, latency_ticks: 1 };
+    let control = Loop { rate_hz: 500.0, latency_ticks: 1, bandwidth_rad_s: None };
     let review = Review::of(&mechanism, &servos, control).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("rig.html");

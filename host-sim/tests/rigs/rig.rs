@@ -168,13 +168,31 @@ fn what_cannot_be_is_refused_by_line_and_name() {
 #[test]
 fn rigs_to_start_from_pass_their_check() {
     let folder = folder();
-    for (args, name) in
-        [(&["new", "--arm", "6"][..], "arm.toml"), (&["new", "--face"], "face.toml")]
+    // Servos with loops of their own have no margins.
+    for (args, name, has_margins) in
+        [(&["new", "--arm", "6"][..], "arm.toml", true), (&["new", "--face"], "face.toml", false)]
     {
         let args = [args, &["-o", name]].concat();
         assert_done(&sinew(folder.path(), &args, ""));
-        assert_done(&sinew(folder.path(), &["check", name], ""));
+        let checked = sinew(folder.path(), &["check", name], "");
+        assert_done(&checked);
+        let said = text(&checked.stdout);
+        assert_eq!(said.contains("Loops by current"), has_margins, "{said}");
+        assert!(!said.contains("shakes  "), "{said}");
     }
+    let shakes = [
+        "check",
+        "arm.toml",
+        "--bandwidth-rad-s",
+        "300",
+        "--latency-ticks",
+        "4",
+        "--format",
+        "json",
+    ];
+    let checked = sinew(folder.path(), &shakes, "");
+    assert_eq!(checked.status.code(), Some(1), "{}", text(&checked.stdout));
+    assert!(text(&checked.stdout).contains("by current it shakes"), "{}", text(&checked.stdout));
 }
 
 /// A name that would be taken for markup, were it not escaped.

@@ -4,4 +4,5 @@ mod limits;
 mod motion;
 mod parity;
 mod play_in_qemu;
+mod stillness;
 mod tables;

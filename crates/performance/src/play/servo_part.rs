@@ -89,16 +89,21 @@ pub(super) fn encoder(part: &ServoPart) -> Encoder {
     Encoder { zero_rad: 0.5 * turn_rad, turn_rad }
 }
 
+/// Whether servos of a kind can be driven by current.
+pub(crate) fn takes_current(model: &str) -> bool {
+    matches!(
+        RegisterTable::of(model),
+        Some(RegisterTable::Dynamixel(table)) if table.model.current.is_some()
+    )
+}
+
 /// How each servo is driven: by current if it can, unless one that shares its drive cannot; by pulses if it takes them.
 pub(super) fn drives(
     board: &CompactRig,
     servos: &[RigServo],
     asked: Option<Drive>,
 ) -> Result<Vec<Drive>, PartsError> {
-    let can = |servo: &RigServo| match table(servo) {
-        Some(RegisterTable::Dynamixel(table)) => table.model.current.is_some(),
-        _ => false,
-    };
+    let can = |servo: &RigServo| takes_current(&servo.kind.name);
     if asked == Some(Drive::Current)
         && let Some(servo) = servos.iter().find(|servo| table(servo).is_some() && !can(servo))
     {

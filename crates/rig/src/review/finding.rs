@@ -1,6 +1,6 @@
 //! What is wrong or doubtful of a rig, in words.
 
-use super::results::{DofReview, Finding, Review, Severity, Voltage};
+use super::results::{DofReview, Finding, LoopReview, Review, Severity, Voltage};
 use crate::mechanism::{GRAVITY_M_S2, JointModel, Mechanism};
 
 /// A torque so many times what would lift the whole rig at its full reach is no limit: a placeholder of the file.
@@ -116,6 +116,7 @@ fn of_dof(dof: &DofReview, lift_nm: f64) -> Vec<(Severity, String)> {
             format!("its limit of speed is {speed:.0} rad/s, which no servo reaches: a placeholder of the file?"),
         ));
     }
+    found.extend(of_loop(dof));
     if dof.inertia_free <= 0.0 {
         found.push((Severity::Note, "it moves no mass: kinematic, without torque".to_owned()));
     }
@@ -131,6 +132,30 @@ fn of_dof(dof: &DofReview, lift_nm: f64) -> Vec<(Severity, String)> {
         ));
     }
     found
+}
+
+/// A loop through a soft gear that shakes by itself, or would if the gear were softer and looser.
+fn of_loop(dof: &DofReview) -> Option<(Severity, String)> {
+    let control = dof.control.as_ref()?;
+    let LoopReview { resonance_hz, bandwidth_rad_s, bearable_rad_s, .. } = *control;
+    let bearable_rad_s = bearable_rad_s?;
+    let help = if bearable_rad_s > 0.0 {
+        format!("take at most {bearable_rad_s:.0} rad/s, a stiffer gear, or drive it by position")
+    } else {
+        "no bandwidth helps: take a stiffer gear, or drive it by position".to_owned()
+    };
+    let observer = format!("an observer of {bandwidth_rad_s:.0} rad/s");
+    Some(if control.nominal.margins.is_none() {
+        let shakes = format!(
+            "by current it shakes: {observer} is too fast for its gear, which swings at {resonance_hz:.1} Hz; {help}"
+        );
+        (Severity::Fault, shakes)
+    } else {
+        let shakes = format!(
+            "with half its gear's stiffness and twice its play it would shake by {observer}; {help}"
+        );
+        (Severity::Warning, shakes)
+    })
 }
 
 fn of_bodies(mechanism: &Mechanism, add: &mut impl FnMut(Severity, String, String)) {

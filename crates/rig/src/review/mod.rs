@@ -4,8 +4,11 @@
 //! Collisions are out of scope.
 
 mod finding;
+mod flexible_joint;
 mod gain;
 mod gravity;
+mod inertia;
+mod loops;
 mod reach;
 mod results;
 mod servos;
@@ -20,12 +23,14 @@ use crate::mechanism::{BODY_COUNT_MAX, JointModel, Link, Mechanism};
 use crate::number::single;
 
 pub use finding::KG_M2_PER_G_MM2;
+pub use flexible_joint::{ControlLoop, FlexibleJoint, Margins, Stability};
 pub use gain::largest_stable_angle;
 pub(crate) use gravity::spread;
 pub use gravity::{WorstLoad, holding_effort, worst_load};
 pub use reach::reach_m;
 pub use results::{
-    Capability, CurrentReview, DofReview, Finding, Loop, Review, Servos, Severity, Voltage,
+    Capability, CurrentReview, DofReview, Finding, Loop, LoopReview, Review, Servos, Severity,
+    SoftGear, Voltage,
 };
 
 impl Review {
@@ -64,6 +69,7 @@ impl Review {
                     inertia: along(&locked, link, axis),
                     inertia_free,
                     rotor_inertia: link.rotor_inertia,
+                    control: None,
                     stable_stiffness: inertia_free * omega * omega,
                     reach_m,
                     resolution_mm: servo.as_ref().map(|servo| {
@@ -73,6 +79,7 @@ impl Review {
                 });
             }
         }
+        loops::review(&mut by_dof, &inertia::ranges(mechanism, &tree)?, control);
         let known = by_dof.iter().any(|dof| dof.servo.is_some());
         let current = known.then(|| CurrentReview {
             holding_a: by_dof.iter().filter_map(holding_current_a).sum(),
@@ -127,10 +134,15 @@ fn slides(link: &Link, axis: usize) -> bool {
 
 /// Inertia along one dof, in the home pose.
 pub(crate) fn along(inertia: &ReflectedInertia, link: &Link, axis: usize) -> f64 {
+    along_at(inertia, link, axis, &link.home)
+}
+
+/// Inertia along one dof, where the joint's coordinates are `q`.
+fn along_at(inertia: &ReflectedInertia, link: &Link, axis: usize, q: &[f64]) -> f64 {
     if slides(link, axis) {
         return f64::from(inertia.linear_kg);
     }
-    let (turns, _) = link.joint.axes(&link.home);
+    let (turns, _) = link.joint.axes(q);
     turns.get(axis).map_or(0.0, |turn| {
         let turn = turn.as_vec3();
         f64::from(turn.dot(inertia.angular_kg_m2.mul_vec3(turn)))

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use super::flexible_joint::Stability;
+
 /// The control loop that gains are judged for.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Loop {
@@ -9,6 +11,9 @@ pub struct Loop {
     pub rate_hz: f64,
     /// Ticks that a torque acts late.
     pub latency_ticks: usize,
+    /// Bandwidth of the observer, rad/s; none: by the rule.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bandwidth_rad_s: Option<f64>,
 }
 
 /// The effort and speed that the servos of one dof can give there, through their drive.
@@ -28,6 +33,24 @@ pub struct Capability {
     pub current_per_effort: f64,
     /// Whether a value is a guess of the servo's data.
     pub guessed: bool,
+    /// The gear that the loop of the tracker is closed through; none where a servo has a loop of its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gear: Option<SoftGear>,
+}
+
+/// The rotors of a dof's servos and their gears, as the dof sees them at home: rad, or m of one that slides.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SoftGear {
+    /// Inertia of the rotors, kg m² or kg.
+    pub rotor_inertia: f64,
+    /// Stiffness, N m/rad or N/m.
+    pub stiffness: f64,
+    /// Damping between rotor and output, N m s or N s/m.
+    pub gear_damping: f64,
+    /// Viscous friction of the rotors, N m s or N s/m.
+    pub damping: f64,
+    /// Play from end to end, rad or m.
+    pub play: f64,
 }
 
 /// One dof of one joint.
@@ -56,6 +79,9 @@ pub struct DofReview {
     pub inertia_free: f64,
     /// The rotor's part.
     pub rotor_inertia: f64,
+    /// How the loop stands that is closed through its gear, if there is one.
+    #[serde(rename = "loop", skip_serializing_if = "Option::is_none")]
+    pub control: Option<LoopReview>,
     /// The largest stable stiffness of a critically damped loop, N m/rad or N/m.
     pub stable_stiffness: f64,
     /// The farthest that a point beyond the joint can be from it, m; an upper bound.
@@ -63,6 +89,25 @@ pub struct DofReview {
     /// What the servo's least step is at that distance, mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub resolution_mm: Option<f64>,
+}
+
+/// The loop of the tracker round one dof, through its gear.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LoopReview {
+    /// Resonance of the rotor on the gear with the output held, Hz.
+    pub resonance_hz: f64,
+    /// Least and greatest inertia at the output in the poses that were tried, kg m² or kg; all joints beyond held.
+    pub load_inertia: [f64; 2],
+    /// Bandwidth of the observer, rad/s.
+    pub bandwidth_rad_s: f64,
+    /// With either load, the lesser of both.
+    pub nominal: Stability,
+    /// The same of a gear that is half as stiff, and has twice the play.
+    pub worst: Stability,
+    /// The largest bandwidth at which all of that is stable, rad/s, 0 if it is at no bandwidth; none if that of the
+    /// observer is less.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bearable_rad_s: Option<f64>,
 }
 
 /// Current of all servos together.

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::results::{Capability, Servos, Voltage};
+use super::results::{Capability, Servos, SoftGear, Voltage};
 use crate::actuation::{Actuation, JoinedDrive};
 use crate::description::{Description, DescriptionError, ServoModel};
 use crate::drive::{DriveInputError, DrivePose};
@@ -49,6 +49,18 @@ impl Servos {
             voltages: voltages(rig),
         })
     }
+
+    /// Keeps the gears of dofs whose servos are all driven by current, by their names: the loop is the tracker's there.
+    /// Other servos close one of their own.
+    #[must_use]
+    pub fn with_loops_of(mut self, is_by_current: impl Fn(&str) -> bool) -> Self {
+        for capability in self.by_dof.iter_mut().flatten() {
+            if !capability.servos.iter().all(|servo| is_by_current(servo)) {
+                capability.gear = None;
+            }
+        }
+        self
+    }
 }
 
 /// What feeds each kind of servo, in the order of the file.
@@ -94,8 +106,13 @@ fn capabilities(
         resolution: 0.0,
         current_per_effort: 0.0,
         guessed: servos.iter().any(|servo| servo.guessed),
+        gear: None,
     };
     let mut all = vec![nameless; drive.drive.dofs()];
+    let gears = gears(&drive.drive.at_joints(&home(joints))?, &servos)?;
+    for (capability, gear) in all.iter_mut().zip(gears) {
+        capability.gear = Some(gear);
+    }
     for q in poses(joints) {
         let pose = drive.drive.at_joints(&q)?;
         for (dof, capability) in all.iter_mut().enumerate() {
@@ -112,6 +129,7 @@ struct Shaft {
     speed_rad_s: f64,
     resolution_rad: f64,
     current_a_per_nm: f64,
+    gear: SoftGear,
     guessed: bool,
 }
 
@@ -132,9 +150,43 @@ impl Shaft {
             speed_rad_s: model.no_load_speed_rad_s.value / gear,
             resolution_rad: model.resolution_rad.value / gear,
             current_a_per_nm: 1.0 / (gear * model.torque_constant_nm_a.value),
+            gear: SoftGear {
+                rotor_inertia: gear * gear * model.rotor_inertia_kg_m2.value,
+                stiffness: gear * gear * model.gear_stiffness(),
+                gear_damping: gear * gear * model.gear_damping(),
+                damping: gear * gear * model.damping_nm_s.value,
+                play: 2.0 * model.half_play_rad() / gear,
+            },
             guessed: used.iter().any(|value| value.is_guess()),
         }
     }
+}
+
+/// The gears of a drive's servos, as each dof sees them: inertias, stiffnesses and dampings add up by the squares of
+/// speeds, plays by how far each moves the dof.
+fn gears(pose: &DrivePose<'_>, servos: &[Shaft]) -> Result<Vec<SoftGear>, DriveInputError> {
+    let reflected = |of: fn(&SoftGear) -> f64| {
+        let each: Vec<f32> = servos.iter().map(|servo| single(of(&servo.gear))).collect();
+        pose.reflected_to_joints(&each)
+    };
+    let rotor_inertia = reflected(|gear| gear.rotor_inertia)?;
+    let stiffness = reflected(|gear| gear.stiffness)?;
+    let gear_damping = reflected(|gear| gear.gear_damping)?;
+    let damping = reflected(|gear| gear.damping)?;
+    let mut play = vec![0.0; pose.joints().len()];
+    for (index, servo) in servos.iter().enumerate() {
+        let moved = pose.joint_velocities(&unit(servos.len(), index))?;
+        for (play, moved) in play.iter_mut().zip(&moved) {
+            *play += servo.gear.play * f64::from(moved.abs());
+        }
+    }
+    let each = rotor_inertia.iter().zip(&stiffness).zip(gear_damping.iter().zip(&damping));
+    let gear = |(((rotor, stiffness), (gear_damping, damping)), play)| {
+        let [rotor_inertia, stiffness, gear_damping, damping] =
+            [rotor, stiffness, gear_damping, damping].map(|number: &f32| f64::from(*number));
+        SoftGear { rotor_inertia, stiffness, gear_damping, damping, play }
+    };
+    Ok(each.zip(play).map(gear).collect())
 }
 
 /// Takes what is least, or worst, at one pose.
@@ -175,13 +227,6 @@ fn unit(count: usize, of: usize) -> Vec<f32> {
 /// Positions of a drive's joints: over the range of the first one's first axis, all others at home. Only curves and
 /// four-bars, which have one joint of one dof, are not the same everywhere.
 fn poses(joints: &[&Link]) -> Vec<Vec<f32>> {
-    let home: Vec<f32> = joints
-        .iter()
-        .flat_map(|link| match link.joint {
-            JointModel::Spherical => vec![0.0; 3],
-            _ => link.home.iter().map(|position| single(*position)).collect(),
-        })
-        .collect();
     let one_dof = matches!(joints, [link] if link.joint.kind().dof_count() == 1);
     match joints.first().and_then(|link| link.ranges.first()) {
         Some([least, most]) if one_dof => (0..POSES)
@@ -190,6 +235,14 @@ fn poses(joints: &[&Link]) -> Vec<Vec<f32>> {
                 vec![single(least + share * (most - least))]
             })
             .collect(),
-        _ => vec![home],
+        _ => vec![home(joints)],
     }
+}
+
+fn home(joints: &[&Link]) -> Vec<f32> {
+    let of_link = |link: &&Link| match link.joint {
+        JointModel::Spherical => vec![0.0; 3],
+        _ => link.home.iter().map(|position| single(*position)).collect(),
+    };
+    joints.iter().flat_map(of_link).collect()
 }

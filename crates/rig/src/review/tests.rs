@@ -82,6 +82,7 @@ fn a_review_says_what_is_too_heavy() {
         resolution: 0.0015,
         current_per_effort: 2.0,
         guessed: false,
+        gear: None,
     };
     let servos = Servos {
         by_dof: vec![Some(capability(6.0)), Some(capability(20.0))],
@@ -89,7 +90,7 @@ fn a_review_says_what_is_too_heavy() {
         supply_a: Some(2.0),
         voltages: Vec::new(),
     };
-    let control = Loop { rate_hz: 500.0, latency_ticks: 1 };
+    let control = Loop { rate_hz: 500.0, latency_ticks: 1, bandwidth_rad_s: None };
     let review = Review::of(&arm, &servos, control).unwrap();
     let of = |severity| -> Vec<&str> {
         let found = review.findings.iter().filter(|finding| finding.severity == severity);
@@ -111,7 +112,7 @@ fn units_are_doubted_where_others_explain_the_number() {
         let mut arm = arm();
         arm.bodies[2].mass_kg = mass_kg;
         arm.bodies[2].inertia_kg_m2 = DMat3::from_diagonal(DVec3::splat(moment));
-        let control = Loop { rate_hz: 500.0, latency_ticks: 1 };
+        let control = Loop { rate_hz: 500.0, latency_ticks: 1, bandwidth_rad_s: None };
         let servos = Servos {
             by_dof: vec![None, None],
             stall_current_a: 0.0,
@@ -173,7 +174,7 @@ fn a_supply_that_is_too_high_or_too_low_is_found() {
         rig.supply.as_mut().unwrap().voltage_v = voltage_v;
         let mechanism = rig.mechanism().unwrap();
         let servos = Servos::of(&rig, &mechanism).unwrap();
-        let control = Loop { rate_hz: 500.0, latency_ticks: 1 };
+        let control = Loop { rate_hz: 500.0, latency_ticks: 1, bandwidth_rad_s: None };
         let review = Review::of(&mechanism, &servos, control).unwrap();
         let found = review.findings.iter().find(|finding| finding.text.contains(" V"));
         found.map(|finding| finding.severity)
@@ -188,9 +189,48 @@ fn friction_that_no_drive_overcomes_is_found() {
     let mut arm = arm();
     let hinge = &mut arm.bodies[1];
     (hinge.friction, hinge.damping, hinge.speed, hinge.effort) = (1.0, 2.0, 8.0, 15.0);
-    let control = Loop { rate_hz: 500.0, latency_ticks: 1 };
+    let control = Loop { rate_hz: 500.0, latency_ticks: 1, bandwidth_rad_s: None };
     let review = Review::of(&arm, &Servos::default(), control).unwrap();
     let found =
         review.findings.iter().any(|finding| finding.text.starts_with("friction takes 17.000"));
     assert!(found, "{:?}", review.findings);
+}
+
+/// An arm of XL330: as it was, with 100 rad/s for all joints, and by the rule.
+#[test]
+fn a_loop_that_its_gear_does_not_bear_is_found() {
+    let rig = crate::new::arm(6).unwrap();
+    let mechanism = rig.mechanism().unwrap();
+    let of = |bandwidth_rad_s, latency_ticks, is_by_current: fn(&str) -> bool| {
+        let servos = Servos::of(&rig, &mechanism).unwrap().with_loops_of(is_by_current);
+        let control = Loop { rate_hz: 500.0, latency_ticks, bandwidth_rad_s };
+        Review::of(&mechanism, &servos, control).unwrap()
+    };
+    let found = |review: &Review| -> Vec<(Severity, String)> {
+        let found = review.findings.iter().filter(|finding| finding.text.contains("shake"));
+        found.map(|finding| (finding.severity, finding.about.clone())).collect()
+    };
+    let by_rule = of(None, 1, |_| true);
+    assert_eq!(found(&by_rule), []);
+    for dof in &by_rule.by_dof {
+        let control = dof.control.unwrap();
+        let margins = control.nominal.margins.unwrap();
+        assert!(margins.phase_deg > 30.0 && margins.gain.unwrap() > 2.0, "{dof:?}");
+        assert!(control.worst.margins.is_some(), "{dof:?}");
+        let [least, most] = control.load_inertia;
+        assert!(0.0 < least && least <= most, "{dof:?}");
+    }
+    let fast = of(Some(100.0), 1, |_| true);
+    let joints = ["joint turn1", "joint bend2", "joint bend3"];
+    assert_eq!(found(&fast), joints.map(|name| (Severity::Warning, name.to_owned())));
+    // The bandwidth that the finding names is borne, and hardly more is not.
+    let bearable = fast.by_dof[1].control.unwrap().bearable_rad_s.unwrap();
+    assert_eq!(found(&of(Some(0.99 * bearable), 1, |_| true)), []);
+    assert!(!found(&of(Some(1.01 * bearable), 1, |_| true)).is_empty());
+    let too_late = of(Some(400.0), 4, |_| true);
+    assert!(found(&too_late).iter().any(|(severity, _)| *severity == Severity::Fault));
+    // A servo in position mode closes a loop of its own.
+    let mixed = of(Some(100.0), 1, |servo| servo == "bend3");
+    assert_eq!(found(&mixed), [(Severity::Warning, "joint bend3".to_owned())]);
+    assert_eq!(mixed.by_dof.iter().filter(|dof| dof.control.is_some()).count(), 1);
 }

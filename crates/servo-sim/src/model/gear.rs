@@ -108,6 +108,11 @@ impl Gear {
         [rotor_nm, self.output_share * at(self.shaft)]
     }
 
+    /// Steps under a torque of the motor, N m, whatever the speed: a gear without the servo round it.
+    pub fn step_under(&mut self, dt_s: f64, motor_nm: f64, load: &impl Load) {
+        self.step(dt_s, Characteristic { nm: motor_nm, nm_s: 0.0 }, load);
+    }
+
     pub(crate) fn step(&mut self, dt_s: f64, motor: Characteristic, load: &impl Load) {
         let load_kg_m2 = load.inertia_kg_m2();
         let outer_nm = load.torque_nm(self.shaft);

@@ -8,7 +8,7 @@ use clap::ValueEnum;
 use comfy_table::Table;
 use sinew_host_util::command::{print, table};
 use sinew_performance::rig::review;
-use sinew_rig::review::{Loop, Review, Severity};
+use sinew_rig::review::{Loop, Review, Severity, Stability};
 
 use super::files::read_as;
 use crate::cli::unit_args::UnitArgs;
@@ -43,11 +43,23 @@ pub(super) struct LoopArgs {
     /// Delay of torques, in ticks.
     #[arg(long, value_name = "TICKS", default_value_t = 1, value_parser = latency_ticks)]
     latency_ticks: usize,
+
+    /// Bandwidth of the observer, in rad/s. Default: by the rule, from the gears.
+    #[arg(long, value_name = "RAD_S", value_parser = bandwidth_rad_s)]
+    bandwidth_rad_s: Option<f64>,
 }
 
 impl LoopArgs {
     pub(super) fn control(self) -> Loop {
-        Loop { rate_hz: self.rate_hz, latency_ticks: self.latency_ticks }
+        let Self { rate_hz, latency_ticks, bandwidth_rad_s } = self;
+        Loop { rate_hz, latency_ticks, bandwidth_rad_s }
+    }
+}
+
+fn bandwidth_rad_s(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(rad_s) if (1.0..=1000.0).contains(&rad_s) => Ok(rad_s),
+        _ => Err("expected a number from 1 to 1000".into()),
     }
 }
 
@@ -113,6 +125,16 @@ fn words(name: &str, mechanism: &sinew_rig::Mechanism, review: &Review) -> Strin
         review.control.rate_hz, review.control.latency_ticks, review.stable_kp_per_s2
     ));
     line(format_args!("{}\n", joints(review)));
+    if review.by_dof.iter().any(|dof| dof.control.is_some()) {
+        line(format_args!(
+            "Loops by current, through their gears. Gear: resonance with the load held. Bandwidth: the observer's. What\n\
+             each loop bears before it shakes, with the lightest and the heaviest load of the poses tried:\n\
+             phase, factor on the torque, delay more than {} tick(s). Then the same of a gear with half the stiffness and\n\
+             twice the play.\n",
+            review.control.latency_ticks
+        ));
+        line(format_args!("{}\n", loops(review)));
+    }
     if let Some(current) = review.current {
         let supply =
             current.supply_a.map_or_else(|| "not given".to_owned(), |a| format!("{a:.1} A"));
@@ -197,4 +219,47 @@ fn joints(review: &Review) -> Table {
         ]);
     }
     table
+}
+
+fn loops(review: &Review) -> Table {
+    let mut table = table(
+        [
+            "joint",
+            "gear Hz",
+            "rad/s",
+            "phase",
+            "factor",
+            "ms",
+            "phase, soft",
+            "factor, soft",
+            "ms, soft",
+        ],
+        [1, 2, 3, 4, 5, 6, 7, 8],
+    );
+    for dof in &review.by_dof {
+        let Some(control) = dof.control else { continue };
+        let mut row = vec![
+            dof.name.clone(),
+            format!("{:.1}", control.resonance_hz),
+            format!("{:.0}", control.bandwidth_rad_s),
+        ];
+        row.extend(margins(control.nominal));
+        row.extend(margins(control.worst));
+        table.add_row(row);
+    }
+    table
+}
+
+/// Phase, factor and delay that a loop bears.
+fn margins(stability: Stability) -> [String; 3] {
+    let Some(margins) = stability.margins else {
+        return ["shakes", "-", "-"].map(str::to_owned);
+    };
+    let any = || "any".to_owned();
+    let down = margins.gain_down.map(|factor| format!("{factor:.2} to ")).unwrap_or_default();
+    [
+        format!("{:.0}", margins.phase_deg),
+        margins.gain.map_or_else(any, |factor| format!("{down}{factor:.2}")),
+        margins.delay_s.map_or_else(any, |delay_s| format!("{:.1}", 1e3 * delay_s)),
+    ]
 }

@@ -1,0 +1,104 @@
+//! The loops that are closed through soft gears.
+
+use sinew_core::bandwidth::Bandwidth;
+use sinew_core::tracker::Settings;
+
+use super::flexible_joint::{ControlLoop, FlexibleJoint};
+use super::results::{DofReview, Loop, LoopReview, SoftGear};
+use crate::number::single;
+
+/// A gear at its worst: part of its stiffness that is left, and how many times its play.
+const SOFTER: f64 = 0.5;
+const LOOSER: f64 = 2.0;
+
+/// Amplitude of the windup that the softening by play is judged at, in plays of the gear as its data have it.
+///
+/// The smaller a swing, the softer the gear is to it. A loop that is stable at this amplitude is stable at all larger
+/// ones, so that no swing grows beyond it: what play leaves is a swing of the output of at most this times the rotor's
+/// share of both inertias, either way. That is 0.5 deg on plastic gears with a load as heavy as the rotor.
+const AMPLITUDE_PLAYS: f64 = 2.0;
+
+/// The least load that is taken for one, as a part of the rotor's inertia: a bare shaft has some.
+const LEAST_LOAD: f64 = 0.01;
+
+/// A search for a bandwidth: the least that is tried, rad/s, and halvings of the interval.
+const LEAST_RAD_S: f64 = 1.0;
+const HALVINGS: usize = 16;
+
+/// Reviews the loop of each dof that has one. `inertias`: the least and the greatest of each.
+pub(super) fn review(by_dof: &mut [DofReview], inertias: &[[f64; 2]], control: Loop) {
+    let dt_s = 1.0 / control.rate_hz;
+    for (dof, inertias) in by_dof.iter_mut().zip(inertias) {
+        let Some(gear) = dof.servo.as_ref().and_then(|servo| servo.gear) else { continue };
+        let joints = inertias.map(|inertia| joint(gear, inertia - dof.rotor_inertia));
+        // Gears that are no gears, such as those of a servo without a rotor, have no loop.
+        let Some(by_rule) = bandwidth_rad_s(&joints[1], dt_s) else { continue };
+        let control = ControlLoop {
+            dt_s,
+            latency_ticks: control.latency_ticks,
+            late_s: 0.0,
+            // An observer cannot be faster than its ticks.
+            bandwidth_rad_s: control.bandwidth_rad_s.unwrap_or(by_rule).min(control.rate_hz),
+            kp_per_s2: f64::from(Settings::<usize>::default().kp),
+            torque_share: 1.0,
+        };
+        dof.control = Some(of_joint(joints, gear.play, control));
+    }
+}
+
+fn of_joint(joints: [FlexibleJoint; 2], play: f64, control: ControlLoop) -> LoopReview {
+    let at_worst = |joint: FlexibleJoint| {
+        joint.softened(SOFTER).with_play(LOOSER * 0.5 * play, AMPLITUDE_PLAYS * play)
+    };
+    let worst = joints.map(at_worst);
+    let stability = |joints: &[FlexibleJoint; 2]| {
+        let [light, heavy] = joints.each_ref().map(|joint| control.stability(joint));
+        light.least(heavy)
+    };
+    let [of_nominal, of_worst] = [&joints, &worst].map(stability);
+    let grows = of_nominal.margins.is_none() || of_worst.margins.is_none();
+    LoopReview {
+        resonance_hz: joints[0].resonance_rad_s() / std::f64::consts::TAU,
+        load_inertia: joints.map(|joint| joint.load_inertia),
+        bandwidth_rad_s: control.bandwidth_rad_s,
+        nominal: of_nominal,
+        worst: of_worst,
+        bearable_rad_s: grows.then(|| bearable_rad_s(&[joints, worst].concat(), control)),
+    }
+}
+
+/// The joint that a gear turns.
+fn joint(gear: SoftGear, load_inertia: f64) -> FlexibleJoint {
+    let SoftGear { rotor_inertia, stiffness, gear_damping, damping, .. } = gear;
+    let load_inertia = load_inertia.max(LEAST_LOAD * rotor_inertia);
+    FlexibleJoint { rotor_inertia, load_inertia, stiffness, gear_damping, damping }
+}
+
+/// The bandwidth of a joint's observer by the rule, rad/s.
+fn bandwidth_rad_s(heaviest: &FlexibleJoint, dt_s: f64) -> Option<f64> {
+    let FlexibleJoint { rotor_inertia, load_inertia, stiffness, .. } = *heaviest;
+    let [stiffness, rotor, load, dt_s] = [stiffness, rotor_inertia, load_inertia, dt_s].map(single);
+    let bandwidth = Bandwidth::of_loaded_gear(stiffness, rotor, load, dt_s).ok()?;
+    Some(f64::from(bandwidth.rad_s))
+}
+
+/// The largest bandwidth below that of the loop at which nothing grows, rad/s; 0 if there is none.
+fn bearable_rad_s(joints: &[FlexibleJoint], control: ControlLoop) -> f64 {
+    let decays = |bandwidth_rad_s: f64| {
+        let control = ControlLoop { bandwidth_rad_s, ..control };
+        joints.iter().all(|joint| control.growth_per_s(joint) < 0.0)
+    };
+    let (mut least, mut most) = (LEAST_RAD_S, control.bandwidth_rad_s);
+    if !decays(least) {
+        return 0.0;
+    }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (least + most);
+        if decays(middle) {
+            least = middle;
+        } else {
+            most = middle;
+        }
+    }
+    least
+}

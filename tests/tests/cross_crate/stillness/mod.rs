@@ -1,0 +1,3 @@
+//! Rigs that stand still.
+
+mod onset;
