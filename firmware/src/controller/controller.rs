@@ -380,9 +380,11 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         let dofs = &self.readings.dofs;
         let following = self.watch.dofs(&errors, dofs, torque && effort >= 1.0, &mut findings);
         self.report.following = torque.then_some(following);
-        for ((report, error), measured) in self.report.dofs.iter_mut().zip(errors).zip(dofs) {
+        let reports = self.report.dofs.iter_mut().zip(errors).zip(dofs);
+        for (index, ((report, error), measured)) in reports.enumerate() {
             let measured_effort = measured.and_then(|measured| measured.effort);
-            *report = DofReport { error, measured_effort, ..DofReport::default() };
+            let (swings, _) = self.watch.swing(index);
+            *report = DofReport { error, measured_effort, swings, ..DofReport::default() };
         }
         if let Some(fault) = self.watch.overrun.step(self.was_late) {
             findings.note(fault);
@@ -472,6 +474,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
                 (tracked.q(), tracked.qd()),
                 conditions,
                 |servo| permission.effort * watch.share(servo),
+                |dof| watch.swing(dof).1,
                 &mut self.report.dofs,
             )
             .map_err(|_| Incomplete::NotFinite)?;

@@ -20,7 +20,7 @@ pub struct Report<const DOFS: usize, const SERVOS: usize> {
     pub answer: Option<Answer>,
     /// Faults whose condition is there.
     pub present: FaultSet,
-    /// Faults that came in this tick.
+    /// Faults, and warnings, that came in this tick.
     pub raised: FaultSet,
     /// Faults that wait to be cleared.
     pub latched: FaultSet,
@@ -84,6 +84,8 @@ pub struct DofReport {
     pub measured_effort: Option<f32>,
     /// What limited the effort.
     pub limit: Option<sinew_core::control::LimitReason>,
+    /// Whether it swings, or did within the last 5 s.
+    pub swings: bool,
 }
 
 /// One servo.

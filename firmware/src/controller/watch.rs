@@ -11,7 +11,9 @@ use super::report::{Following as Error, ServoReport};
 use super::settings::{ControllerSettings, ServoSetup};
 use crate::SettingError;
 use crate::drives::{Condition, DriveSettings, Measured};
-use crate::supervisor::detect::{Derated, Following, Heat, Overrun, Silence, Supply, Winding};
+use crate::supervisor::detect::{
+    Derated, Following, Heat, Overrun, Silence, Supply, Swing, SwingTimes, Winding,
+};
 use crate::supervisor::{Fault, Findings, GuardSettings};
 
 /// Looks at every servo and dof, once a tick.
@@ -19,6 +21,9 @@ use crate::supervisor::{Fault, Findings, GuardSettings};
 pub(super) struct Watch<const DOFS: usize, const SERVOS: usize> {
     servos: Vec<Servo, SERVOS>,
     dofs: Vec<(Following, u16), DOFS>,
+    swings: Vec<Swing, DOFS>,
+    swing_times: SwingTimes,
+    swing_gain: f32,
     silence: Silence,
     pub(super) overrun: Overrun,
     stale_ticks: u32,
@@ -86,6 +91,9 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
         Ok(Self {
             servos,
             dofs,
+            swings: rig.dofs().iter().map(|dof| Swing::new(dof.effort)).collect(),
+            swing_times: SwingTimes::new(dt_s),
+            swing_gain: settings.swing_gain,
             silence: settings.silence,
             overrun: Overrun::new(settings.overrun)?,
             stale_ticks: ticks(settings.stale_s),
@@ -98,11 +106,17 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
     /// The rig is armed: nothing was off until now.
     pub(super) fn begin(&mut self) {
         self.dofs.iter_mut().for_each(|(following, _)| following.begin());
+        self.swings.iter_mut().for_each(Swing::begin);
     }
 
     /// What part of its effort a servo may give.
     pub(super) fn share(&self, servo: usize) -> f32 {
         self.servos.get(servo).map_or(0.0, |servo| servo.derated.share)
+    }
+
+    /// Whether a joint swings, and the factor of its feedback.
+    pub(super) fn swing(&self, dof: usize) -> (bool, f32) {
+        self.swings.get(dof).map_or((false, 1.0), |swing| (swing.is_found(), swing.gain()))
     }
 
     /// Whether every servo that tells has a reading that is new enough.
@@ -212,12 +226,10 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
         findings: &mut Findings,
     ) -> Error {
         let (mut error, mut sum, mut count) = (Error::default(), 0.0, 0.0);
-        for (index, ((following, servo), measured)) in
-            self.dofs.iter_mut().zip(measured).enumerate()
+        for (index, (((following, servo), swing), measured)) in
+            self.dofs.iter_mut().zip(&mut self.swings).zip(measured).enumerate()
         {
-            if measured.is_none() {
-                continue;
-            }
+            let Some(measured) = measured else { continue };
             let off = number(errors, index);
             (sum, count) = (sum + off.abs(), count + 1.0);
             if off.abs() > error.most_rad {
@@ -228,8 +240,13 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
                 if let Some(fault) = following.step(off) {
                     findings.note_of(fault, *servo);
                 }
+                swing.step(&self.swing_times, off, measured.effort, self.swing_gain);
+                if swing.is_found() {
+                    findings.note_of(Fault::Swing, *servo);
+                }
             } else {
                 following.begin();
+                swing.begin();
             }
         }
         error.mean_rad = if count > 0.0 { sum / count } else { 0.0 };

@@ -39,6 +39,9 @@ impl Fault {
             Self::TorqueStuck => {
                 "torque was switched off, and a servo's register says that it is on"
             }
+            Self::Swing => {
+                "a joint shakes by 0.6 deg from peak to peak and more, some 8 to 40 times a second"
+            }
         }
     }
 
@@ -63,6 +66,7 @@ impl Fault {
             Self::BrownOut => "feed the board apart from the servos",
             Self::ServoStopped => "look at the bus and its cable; keep the record",
             Self::TorqueStuck => "cut its supply; restart the servo, or replace it",
+            Self::Swing => "less play and stiffer links; a lower `swing_gain`",
         }
     }
 }
