@@ -376,16 +376,15 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         self.watch.range(&self.path, self.readings.pose.q(), &mut findings);
         let mut errors = [0.0; DOFS];
         self.path.errors(self.readings.pose.q(), &mut errors);
-        let Permission { torque, effort, .. } = self.permission;
         let dofs = &self.readings.dofs;
-        let following = self.watch.dofs(&errors, dofs, torque && effort >= 1.0, &mut findings);
-        self.report.following = torque.then_some(following);
-        let reports = self.report.dofs.iter_mut().zip(errors).zip(dofs);
-        for (index, ((report, error), measured)) in reports.enumerate() {
+        for ((report, error), measured) in self.report.dofs.iter_mut().zip(errors).zip(dofs) {
             let measured_effort = measured.and_then(|measured| measured.effort);
-            let (swings, _) = self.watch.swing(index);
-            *report = DofReport { error, measured_effort, swings, ..DofReport::default() };
+            *report = DofReport { error, measured_effort, ..DofReport::default() };
         }
+        let Permission { torque, effort, .. } = self.permission;
+        let (is_held, report) = (torque && effort >= 1.0, &mut self.report.dofs);
+        let following = self.watch.dofs(self.rig.dofs(), dofs, is_held, &mut findings, report);
+        self.report.following = torque.then_some(following);
         if let Some(fault) = self.watch.overrun.step(self.was_late) {
             findings.note(fault);
         }
@@ -474,7 +473,6 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
                 (tracked.q(), tracked.qd()),
                 conditions,
                 |servo| permission.effort * watch.share(servo),
-                |dof| watch.swing(dof).1,
                 &mut self.report.dofs,
             )
             .map_err(|_| Incomplete::NotFinite)?;

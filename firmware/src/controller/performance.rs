@@ -105,23 +105,21 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         self.tracker.begin(&mut &*pose, 0, measured).map_err(|_| NotFinite)
     }
 
-    /// A tick: commands of all servos. `share`: what part of its effort each servo may give; `gain`: what part of its
-    /// feedback each dof gets. O(dofs).
+    /// A tick: commands of all servos. `share`: what part of its effort each servo may give. O(dofs).
     pub(super) fn step<const COORDS: usize>(
         &mut self,
         pose: &Pose<DOFS, COORDS>,
         (q, qd): (&[f32], &[f32]),
         conditions: &[Condition],
         share: impl Fn(usize) -> f32,
-        gain: impl Fn(usize) -> f32,
         report: &mut [DofReport],
     ) -> Result<&[Option<ServoCommand>], NotFinite> {
         let Self { rig, tracker, drives, commands, .. } = self;
         let measured = Measured::Coordinates { q, qd };
         let mut tick = tracker.step(&mut &*pose, 0, measured).map_err(|_| NotFinite)?;
         tick.dof_commands(commands).map_err(|_| NotFinite)?;
-        for (index, (command, report)) in commands.iter_mut().zip(report).enumerate() {
-            command.feedback_effort *= gain(index);
+        for (command, report) in commands.iter_mut().zip(report) {
+            command.feedback_effort *= report.gain;
             (report.effort, report.limit) = (command.effort(), command.limited);
         }
         // What a servo in position mode gives more than its target asks for is its offset.

@@ -73,7 +73,7 @@ pub struct Following {
 }
 
 /// One dof.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DofReport {
     /// Commanded less measured; rad or m.
@@ -86,6 +86,22 @@ pub struct DofReport {
     pub limit: Option<sinew_core::control::LimitReason>,
     /// Whether it swings, or did within the last 5 s.
     pub swings: bool,
+    /// What part of its feedback it gets: less than 1 while it swings, if a setting says so.
+    pub gain: f32,
+}
+
+/// Of a dof that was never read.
+impl Default for DofReport {
+    fn default() -> Self {
+        Self {
+            error: 0.0,
+            effort: 0.0,
+            measured_effort: None,
+            limit: None,
+            swings: false,
+            gain: 1.0,
+        }
+    }
 }
 
 /// One servo.

@@ -28,7 +28,7 @@ pub use heat::{Heat, HeatSettings};
 pub use overrun::{Overrun, OverrunSettings};
 pub use silence::Silence;
 pub use supply::{Supply, SupplySettings};
-pub use swing::{Swing, SwingTimes};
+pub use swing::{Swing, SwingSettings};
 pub use winding::{Winding, WindingSettings};
 
 use super::Fault;

@@ -16,22 +16,22 @@ const CALM: f32 = 0.25;
 /// ... for so long, s.
 const CALM_S: f32 = 5.0;
 
-/// What all joints of a rig have in common: parts of one tick.
+/// What the detectors of all joints of a rig have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct SwingTimes {
+pub struct SwingSettings {
+    dt_s: f32,
+    /// What a tick changes of a mean behind the corner, and of one over the window.
     corner: f32,
     window: f32,
-    calm_ticks: u32,
+    low_gain: f32,
 }
 
-impl SwingTimes {
-    /// For ticks of `dt_s`.
-    pub fn new(dt_s: f32) -> Self {
+impl SwingSettings {
+    /// For ticks of `dt_s`. `low_gain`: to what part the feedback of a joint that swings is lowered.
+    pub fn new(dt_s: f32, low_gain: f32) -> Self {
         let part = |time_s: f32| dt_s / (dt_s + time_s);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it saturates")]
-        let calm_ticks = (CALM_S / dt_s) as u32;
         let corner = part(1.0 / (core::f32::consts::TAU * CORNER_HZ));
-        Self { corner, window: part(WINDOW_S), calm_ticks }
+        Self { dt_s, corner, window: part(WINDOW_S), low_gain }
     }
 }
 
@@ -39,49 +39,40 @@ impl SwingTimes {
 /// that. What a show commands is in no error, and a swing in no show. O(1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Swing {
-    /// The effort that counts, N m or N; infinite for a joint without a limit, of which the error alone counts.
-    least_effort: f32,
     error: Alternating,
     effort: Alternating,
-    left_ticks: u32,
+    /// For so long it counts as one that swings, s.
+    left_s: f32,
     gain: f32,
 }
 
+/// Nothing has swung until now.
+impl Default for Swing {
+    fn default() -> Self {
+        let still = Alternating::default();
+        Self { error: still, effort: still, left_s: 0.0, gain: 1.0 }
+    }
+}
+
 impl Swing {
-    /// For a joint with this most effort, N m or N.
-    pub fn new(most_effort: f32) -> Self {
-        let least_effort = LEAST_SHARE * most_effort;
-        let (error, effort) = (Alternating::default(), Alternating::default());
-        Self { least_effort, error, effort, left_ticks: 0, gain: 1.0 }
-    }
-
-    /// Nothing has swung until now.
-    pub fn begin(&mut self) {
-        *self = Self { least_effort: self.least_effort, ..Self::new(0.0) };
-    }
-
     /// A tick in which torque is on. `error`: commanded less measured position, rad or m; `effort`: as measured, N m or
-    /// N; `low_gain`: for the feedback of a joint that swings. What is no number is as if nothing was.
-    pub fn step(&mut self, times: &SwingTimes, error: f32, effort: Option<f32>, low_gain: f32) {
-        let of_effort = effort.map_or(MOST * MOST, |effort| {
-            // Of a joint without a limit any effort counts.
-            if self.least_effort.is_finite() {
-                self.effort.step(times, effort / self.least_effort)
-            } else {
-                MOST * MOST
-            }
-        });
-        let both = self.error.step(times, error / LEAST_ERROR).min(of_effort);
-        let least = if self.is_found() { CALM } else { 1.0 };
-        self.left_ticks =
-            if both > least { times.calm_ticks } else { self.left_ticks.saturating_sub(1) };
-        let wanted = if self.is_found() { low_gain } else { 1.0 };
-        self.gain += times.window * (wanted - self.gain);
+    /// N; `most`: the joint's most effort, infinite for no limit. What is no number is as if nothing was.
+    pub fn step(&mut self, settings: &SwingSettings, error: f32, effort: Option<f32>, most: f32) {
+        let mut square = self.error.step(settings, error / LEAST_ERROR);
+        // Where nothing tells what effort is much, the error alone counts.
+        if let Some(effort) = effort
+            && most < f32::INFINITY
+        {
+            square = square.min(self.effort.step(settings, effort / (LEAST_SHARE * most)));
+        }
+        let (least, wanted) = if self.is_found() { (CALM, settings.low_gain) } else { (1.0, 1.0) };
+        self.left_s = if square > least { CALM_S } else { self.left_s - settings.dt_s };
+        self.gain += settings.window * (wanted - self.gain);
     }
 
     /// Whether it swings, or did within the last 5 s.
     pub fn is_found(&self) -> bool {
-        self.left_ticks > 0
+        self.left_s > 0.0
     }
 
     /// The factor of its feedback.
@@ -100,15 +91,15 @@ struct Alternating {
 impl Alternating {
     // Twice in each step: once is enough of it.
     #[inline(never)]
-    fn step(&mut self, times: &SwingTimes, value: f32) -> f32 {
+    fn step(&mut self, settings: &SwingSettings, value: f32) -> f32 {
         if value.is_finite() {
             let mut rest = value;
             for slow in &mut self.slow {
-                *slow += times.corner * (rest - *slow);
+                *slow += settings.corner * (rest - *slow);
                 rest -= *slow;
             }
             let square = (rest * rest).min(MOST * MOST);
-            self.mean_square += times.window * (square - self.mean_square);
+            self.mean_square += settings.window * (square - self.mean_square);
         } else {
             *self = Self::default();
         }
@@ -132,10 +123,10 @@ mod tests {
         error: impl Fn(f32) -> f32,
         current: impl Fn(f32) -> f32,
     ) -> Option<f32> {
-        let (mut swing, times) = (Swing::new(MOST_NM), SwingTimes::new(1.0 / rate_hz));
+        let (mut swing, settings) = (Swing::default(), SwingSettings::new(1.0 / rate_hz, 1.0));
         let mut times_s = (0_u16..).map(|tick| f32::from(tick) / rate_hz).take_while(|t| *t < 20.0);
         times_s.find(|t| {
-            swing.step(&times, error(*t), Some(NM_PER_A * current(*t)), 1.0);
+            swing.step(&settings, error(*t), Some(NM_PER_A * current(*t)), MOST_NM);
             swing.is_found()
         })
     }
@@ -183,12 +174,12 @@ mod tests {
 
     #[test]
     fn it_calms_down_after_5_s_and_the_gain_follows() {
-        let (mut swing, times) = (Swing::new(MOST_NM), SwingTimes::new(0.0025));
+        let (mut swing, settings) = (Swing::default(), SwingSettings::new(0.0025, 0.5));
         let mut run = |seconds: u16, hz: f32, amplitude: f32| {
             for tick in 0..seconds * 400 {
                 let error = sine(hz, amplitude)(f32::from(tick) * 0.0025);
                 // A servo that tells no effort.
-                swing.step(&times, error, None, 0.5);
+                swing.step(&settings, error, None, MOST_NM);
             }
             swing
         };
@@ -202,19 +193,20 @@ mod tests {
 
     #[test]
     fn what_is_no_number_leaves_nothing_behind() {
-        let (mut swing, times) = (Swing::new(MOST_NM), SwingTimes::new(0.0025));
+        let (mut swing, settings) = (Swing::default(), SwingSettings::new(0.0025, 0.5));
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX] {
-            swing.step(&times, bad, Some(bad), 0.5);
-            swing.step(&times, bad, None, 0.5);
-            swing.step(&times, f32::NAN, Some(f32::NAN), 0.5);
+            swing.step(&settings, bad, Some(bad), MOST_NM);
+            swing.step(&settings, bad, None, bad);
+            swing.step(&settings, f32::NAN, Some(f32::NAN), MOST_NM);
             let Swing { error, effort, gain, .. } = swing;
             assert_eq!((error, effort), (Alternating::default(), Alternating::default()), "{bad}");
             assert!((0.5..=1.0).contains(&gain));
         }
         // Of a joint without a limit the error alone counts.
-        let mut free = Swing::new(f32::INFINITY);
+        let mut free = Swing::default();
         for tick in 0_u16..400 {
-            free.step(&times, sine(16.0, DEG)(f32::from(tick) * 0.0025), Some(0.0), 0.5);
+            let error = sine(16.0, DEG)(f32::from(tick) * 0.0025);
+            free.step(&settings, error, Some(0.0), f32::INFINITY);
         }
         assert!(free.is_found());
     }
