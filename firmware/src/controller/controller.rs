@@ -14,7 +14,7 @@ use super::path::Path;
 use super::performance::Performance;
 use super::pose::Pose;
 use super::registers::Comparison;
-use super::report::{DofReport, Report, filled};
+use super::report::{DofReport, Report, ServoReport, filled};
 use super::settings::{ControllerSettings, ServoSetup, Start};
 use super::stop_test::StopTest;
 use super::watch::Watch;
@@ -324,6 +324,11 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
     /// Returns the report of the last tick.
     pub fn report(&self) -> &Report<DOFS, SERVOS> {
         &self.report
+    }
+
+    /// Returns the report of the first servo that moves a dof.
+    pub(crate) fn first_servo(&self, dof: usize) -> Option<&ServoReport> {
+        self.report.servos.get(self.watch.servo(dof)?)
     }
 
     /// The supervisor, with the log of faults.

@@ -118,6 +118,11 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
         self.servos.get(servo).map_or(0.0, |servo| servo.derated.share)
     }
 
+    /// The first servo of a dof.
+    pub(super) fn servo(&self, dof: usize) -> Option<usize> {
+        self.dofs.get(dof).map(|dof| dof.servo.into())
+    }
+
     /// Whether every servo that tells has a reading that is new enough.
     pub(super) fn is_measured(&self, conditions: &[Condition]) -> bool {
         self.servos.iter().zip(conditions).all(|(servo, condition)| {

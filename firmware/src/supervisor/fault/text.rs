@@ -40,7 +40,7 @@ impl Fault {
                 "torque was switched off, and a servo's register says that it is on"
             }
             Self::Swing => {
-                "a joint shakes by 0.6 deg from peak to peak and more, some 8 to 40 times a second"
+                "a joint shakes by 0.6 deg and more, 8 to 40 times a second: its gear is too soft for its gains"
             }
         }
     }
@@ -66,7 +66,7 @@ impl Fault {
             Self::BrownOut => "feed the board apart from the servos",
             Self::ServoStopped => "look at the bus and its cable; keep the record",
             Self::TorqueStuck => "cut its supply; restart the servo, or replace it",
-            Self::Swing => "less play and stiffer links; a lower `swing_gain`",
+            Self::Swing => "tighten its horn and links; lighten what it moves; lower `swing_gain`",
         }
     }
 }
