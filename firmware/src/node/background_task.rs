@@ -18,7 +18,7 @@ use super::telemetry::Telemeter;
 use super::text;
 use super::timing::Sum;
 use crate::controller::Jog;
-use crate::supervisor::FaultNews;
+use crate::supervisor::{FaultNews, FaultRecord};
 
 /// Bytes that are taken from the line in a step.
 const AT_ONCE: usize = 64;
@@ -74,6 +74,8 @@ pub struct BackgroundTask<
     pub(super) steps: Sum,
     /// Of faults what storage has not taken yet.
     pub(super) faults: Deque<FaultNews, FAULTS_WAITING>,
+    /// The last warning since faults were cleared.
+    pub(super) warning: Option<FaultRecord>,
     /// What was stored counts after a restart: until then nobody arms.
     pub(super) kept: Option<Disarmed>,
 }
@@ -106,6 +108,7 @@ impl<
             telemeter: Telemeter::new(),
             steps: Sum::default(),
             faults: Deque::new(),
+            warning: None,
             kept: None,
         }
     }

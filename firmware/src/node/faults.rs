@@ -26,9 +26,16 @@ impl<
         {
             if let FaultNews::Fault(record) = news {
                 self.outbox.put(&ToHost::Fault(text::fault(&record)));
+                if record.fault.is_warning() {
+                    // Not worth the flash's wear, nor the place of a fault.
+                    self.warning = Some(record);
+                    continue;
+                }
                 if !is_kept(record.times) {
                     continue;
                 }
+            } else {
+                self.warning = None;
             }
             // There is room: asked above.
             let _ = self.faults.push_back(news);

@@ -203,7 +203,7 @@ impl<
         Ok(Applied::Setting(Value::Number(value)))
     }
 
-    /// 0 is the first since faults were cleared, then from the latest back.
+    /// 0 is the first since faults were cleared, then from the latest back. Behind them is the last warning since then.
     #[inline(never)]
     pub(super) fn read_fault(&mut self, index: u16) -> Done {
         let faults = self.store.faults().map_err(|error| text::storage(&error))?;
@@ -213,8 +213,16 @@ impl<
             None => faults.first.as_ref(),
             Some(back) => faults.last.iter().rev().nth(back.into()),
         };
-        let record = record.and_then(text::kept).map(|record| text::fault(&record));
-        Ok(Applied::Fault(FaultReport { count, record }))
+        let record = record.and_then(text::kept);
+        // What was before faults were cleared is not told.
+        let told = if faults.first.is_some() { count } else { 0 };
+        let (count, record) = match self.warning {
+            Some(warning) => {
+                (told.saturating_add(1), if index == told { Some(warning) } else { record })
+            }
+            None => (count, record),
+        };
+        Ok(Applied::Fault(FaultReport { count, record: record.as_ref().map(text::fault) }))
     }
 }
 

@@ -20,7 +20,7 @@ pub(super) use table::{BY_COMMAND, BY_UPLOAD, SERIOUS, reacting};
 use core::fmt;
 
 /// What can be wrong. The numbers are stored and told to people: **they are never changed, and never used again**. From
-/// 64 on they are warnings: told and kept as faults are, without a reaction.
+/// 64 on they are warnings: told as faults are, without a reaction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
