@@ -3,7 +3,7 @@
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Deque;
 use sinew_link::message::{
-    About, Command, Hello, Misfit, Numbered, Outcome, Stream, ToController, ToHost,
+    About, Command, FaultRecord, Hello, Misfit, Numbered, Outcome, Stream, ToController, ToHost,
 };
 use sinew_link::{Decoder, Intake, Order as Sequence, Session};
 use sinew_rig::board::BoardRig;
@@ -18,7 +18,7 @@ use super::telemetry::Telemeter;
 use super::text;
 use super::timing::Sum;
 use crate::controller::Jog;
-use crate::supervisor::{FaultNews, FaultRecord};
+use crate::supervisor::FaultNews;
 
 /// Bytes that are taken from the line in a step.
 const AT_ONCE: usize = 64;

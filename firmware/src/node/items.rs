@@ -213,16 +213,17 @@ impl<
             None => faults.first.as_ref(),
             Some(back) => faults.last.iter().rev().nth(back.into()),
         };
-        let record = record.and_then(text::kept);
-        // What was before faults were cleared is not told.
-        let told = if faults.first.is_some() { count } else { 0 };
-        let (count, record) = match self.warning {
-            Some(warning) => {
-                (told.saturating_add(1), if index == told { Some(warning) } else { record })
+        let record = record.and_then(text::kept).map(|record| text::fault(&record));
+        let mut report = FaultReport { count, record };
+        if self.warning.is_some() {
+            // What was before faults were cleared is not told.
+            let told = if faults.first.is_some() { count } else { 0 };
+            report.count = told.saturating_add(1);
+            if index == told {
+                report.record = self.warning;
             }
-            None => (count, record),
-        };
-        Ok(Applied::Fault(FaultReport { count, record: record.as_ref().map(text::fault) }))
+        }
+        Ok(Applied::Fault(report))
     }
 }
 

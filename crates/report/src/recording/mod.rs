@@ -182,7 +182,7 @@ fn notes(watch: &Watch, duration_s: f64) -> Vec<String> {
         "Error is the command of the tick before less what was measured after it, as the controller compares them."
             .to_owned(),
         "The thin lines on the stage are where the rig was sent.".to_owned(),
-        "Swing is what of the error alternates faster than some 10 times a second, from peak to peak, where it is largest. \
+        "Swing is what of the error alternates faster than some 8 times a second, from peak to peak, where it is largest. \
          It is bold where the controller warned of it."
             .to_owned(),
     ];

@@ -8,7 +8,7 @@
 //! | [`Winding`] | servo with a current | 30 % of the stall current for ever; 20 s winding, 600 s case |
 //! | [`Silence`] | servo | 5 replies missed in a row |
 //! | [`Overrun`] | rig | more than 3 ticks in 500 |
-//! | [`Swing`] | joint | 0.15 deg rms above some 10 Hz, and 3 % of its most effort: a warning, no fault |
+//! | [`Swing`] | joint | 0.15 deg rms above some 12 Hz, and 3 % of its most effort: a warning, no fault |
 //!
 //! What is NaN or infinite is a fault at once, [`Fault::NotFinite`], and leaves nothing behind.
 //!

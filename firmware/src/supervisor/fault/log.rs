@@ -6,15 +6,13 @@ use super::FaultRecord;
 
 /// The first fault since faults were cleared, and the last `K`. A fault that comes again is counted, so that one which
 /// comes and goes pushes no other out; but never with one of before they were cleared, which belongs to another story. A
-/// warning is never the first.
+/// warning is the first until a fault comes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FaultLog<const K: usize> {
     first: Option<FaultRecord>,
     /// Newest first.
     last: [Option<FaultRecord>; K],
-    /// Whether that came since faults were cleared.
-    has_first: bool,
     /// How many of the last ones came since faults were cleared.
     since: usize,
     /// How often they were cleared.
@@ -23,7 +21,7 @@ pub struct FaultLog<const K: usize> {
 
 impl<const K: usize> Default for FaultLog<K> {
     fn default() -> Self {
-        Self { first: None, has_first: false, last: [None; K], since: 0, clears: 0 }
+        Self { first: None, last: [None; K], since: 0, clears: 0 }
     }
 }
 
@@ -34,7 +32,7 @@ impl<const K: usize> FaultLog<K> {
         last: impl IntoIterator<Item = FaultRecord>,
     ) -> Self {
         let since = if first.is_some() { K.max(1) } else { 0 };
-        let mut log = Self { first, has_first: first.is_some(), since, ..Self::default() };
+        let mut log = Self { first, since, ..Self::default() };
         for (place, record) in log.last.iter_mut().zip(last) {
             *place = Some(record);
         }
@@ -43,8 +41,9 @@ impl<const K: usize> FaultLog<K> {
 
     /// Notes a fault. O(K).
     pub fn note(&mut self, record: FaultRecord) {
-        if !self.has_first && !record.fault.is_warning() {
-            (self.first, self.has_first) = (Some(record), true);
+        let is_warning = |record: FaultRecord| record.fault.is_warning();
+        if self.since == 0 || !is_warning(record) && self.first.is_some_and(is_warning) {
+            self.first = Some(record);
         }
         let mut own = self.last.iter_mut().take(self.since).flatten();
         if let Some(again) = own.find(|kept| kept.is_as(&record)) {
@@ -61,7 +60,7 @@ impl<const K: usize> FaultLog<K> {
 
     /// Faults were cleared: the next one is the first. What is kept stays until then.
     pub fn clear(&mut self) {
-        (self.since, self.has_first) = (0, false);
+        self.since = 0;
         self.clears = self.clears.wrapping_add(1);
     }
 
@@ -126,10 +125,10 @@ mod tests {
     }
 
     #[test]
-    fn a_warning_is_not_the_first() {
+    fn a_warning_is_the_first_until_a_fault_comes() {
         let mut log = FaultLog::<2>::default();
         log.note(record(Fault::Swing, 4));
-        assert_eq!((log.first(), log.last().count()), (None, 1));
+        assert_eq!(log.first(), Some(record(Fault::Swing, 4)));
         log.note(record(Fault::Range, 5));
         log.note(record(Fault::Swing, 6));
         assert_eq!(log.first(), Some(record(Fault::Range, 5)));

@@ -40,7 +40,7 @@ impl Fault {
                 "torque was switched off, and a servo's register says that it is on"
             }
             Self::Swing => {
-                "a joint shakes by 0.7 deg and more, 12 to 40 times a second: its gear is too soft for its gains"
+                "a joint shakes by 0.8 deg and more, 15 to 40 times a second: its gear is too soft for its gains"
             }
         }
     }
