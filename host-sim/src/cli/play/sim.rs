@@ -67,7 +67,7 @@ impl Args {
         }
         print(&tally.table(&sim, director.raised()))?;
         for warning in director.raised().and(FaultSet::WARNINGS).iter() {
-            note(format_args!("{warning}: {}. {}", warning.when(), warning.remedy()));
+            note(format_args!("{warning}: {}; {}", warning.when(), warning.remedy()));
         }
         Ok(match ended {
             Some(Ended::Done | Ended::Stopped) => ExitCode::SUCCESS,

@@ -67,7 +67,7 @@ pub(super) fn look(
         let servo = warning.servo.and_then(|servo| parts?.servos.get(usize::from(servo)));
         let servo = servo.map_or_else(String::new, |servo| format!(" (`{}`)", servo.own.name));
         let found = format!("{}{servo}", fault_text(warning));
-        findings.add(Doubtful, "warning", &found, &remedy(warning.fault).unwrap_or_default());
+        findings.add(Doubtful, "log", &found, &remedy(warning.fault).unwrap_or_default());
     }
     let names: Vec<String> = faults.iter().map(|record| named(record.fault)).collect();
     let found = if names.is_empty() { "none are kept".to_owned() } else { names.join("; ") };
