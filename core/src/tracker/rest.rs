@@ -85,7 +85,8 @@ impl<const N: usize> Rest<N> {
             if *radius <= 0.0 {
                 continue;
             }
-            let stands = speed(target.velocity) < STANDS_RAD_S && speed(state.velocity) < GLIDES_RAD_S;
+            let stands =
+                speed(target.velocity) < STANDS_RAD_S && speed(state.velocity) < GLIDES_RAD_S;
             let was = open.min(1.0);
             *open = if stands {
                 (was + self.dt_s / OPENS_S).min(1.0)

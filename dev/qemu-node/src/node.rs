@@ -116,7 +116,7 @@ pub static IS_ORDERED: AtomicBool = AtomicBool::new(false);
 
 /// A fault among others.
 pub fn bit(fault: Fault) -> u32 {
-    1 << fault.number()
+    1 << (fault.number() % 32)
 }
 
 /// All of them.

@@ -14,7 +14,7 @@ use super::path::Path;
 use super::performance::Performance;
 use super::pose::Pose;
 use super::registers::Comparison;
-use super::report::{DofReport, Report, filled};
+use super::report::{DofReport, Report, ServoReport, filled};
 use super::settings::{ControllerSettings, ServoSetup, Start};
 use super::stop_test::StopTest;
 use super::watch::Watch;
@@ -326,6 +326,11 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         &self.report
     }
 
+    /// Returns the report of the first servo that moves a dof.
+    pub(crate) fn first_servo(&self, dof: usize) -> Option<&ServoReport> {
+        self.report.servos.get(self.watch.servo(dof)?)
+    }
+
     /// The supervisor, with the log of faults.
     pub fn supervisor(&self) -> &Supervisor {
         &self.supervisor
@@ -376,14 +381,15 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         self.watch.range(&self.path, self.readings.pose.q(), &mut findings);
         let mut errors = [0.0; DOFS];
         self.path.errors(self.readings.pose.q(), &mut errors);
-        let Permission { torque, effort, .. } = self.permission;
         let dofs = &self.readings.dofs;
-        let following = self.watch.dofs(&errors, dofs, torque && effort >= 1.0, &mut findings);
-        self.report.following = torque.then_some(following);
         for ((report, error), measured) in self.report.dofs.iter_mut().zip(errors).zip(dofs) {
             let measured_effort = measured.and_then(|measured| measured.effort);
             *report = DofReport { error, measured_effort, ..DofReport::default() };
         }
+        let Permission { torque, effort, .. } = self.permission;
+        let (is_held, report) = (torque && effort >= 1.0, &mut self.report.dofs);
+        let following = self.watch.dofs(self.rig.dofs(), dofs, is_held, &mut findings, report);
+        self.report.following = torque.then_some(following);
         if let Some(fault) = self.watch.overrun.step(self.was_late) {
             findings.note(fault);
         }

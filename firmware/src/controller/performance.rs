@@ -158,7 +158,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         let measured = Reading::Coordinates { q, qd };
         let mut tick = tracker.step(&mut &*pose, 0, measured).map_err(|_| NotFinite)?;
         tick.dof_commands(commands).map_err(|_| NotFinite)?;
-        for (command, report) in commands.iter().zip(report) {
+        for (command, report) in commands.iter_mut().zip(report) {
+            command.feedback_effort *= report.gain;
             (report.effort, report.limit) = (command.effort(), command.limited);
         }
         // What a servo in position mode gives more than its target asks for is its offset.

@@ -20,7 +20,7 @@ pub struct Report<const DOFS: usize, const SERVOS: usize> {
     pub answer: Option<Answer>,
     /// Faults whose condition is there.
     pub present: FaultSet,
-    /// Faults that came in this tick.
+    /// Faults, and warnings, that came in this tick.
     pub raised: FaultSet,
     /// Faults that wait to be cleared.
     pub latched: FaultSet,
@@ -73,7 +73,7 @@ pub struct Following {
 }
 
 /// One dof.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DofReport {
     /// Commanded less measured; rad or m.
@@ -84,6 +84,24 @@ pub struct DofReport {
     pub measured_effort: Option<f32>,
     /// What limited the effort.
     pub limit: Option<sinew_core::control::LimitReason>,
+    /// Whether it swings, or did within the last 5 s.
+    pub swings: bool,
+    /// What part of its feedback it gets: less than 1 while it swings, if a setting says so.
+    pub gain: f32,
+}
+
+/// Of a dof that was never read.
+impl Default for DofReport {
+    fn default() -> Self {
+        Self {
+            error: 0.0,
+            effort: 0.0,
+            measured_effort: None,
+            limit: None,
+            swings: false,
+            gain: 1.0,
+        }
+    }
 }
 
 /// One servo.

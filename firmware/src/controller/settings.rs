@@ -32,6 +32,8 @@ pub struct ControllerSettings {
     pub blind_s: f32,
     /// How far beyond its range a servo may be measured, rad: what it overshoots.
     pub beyond_rad: f32,
+    /// The feedback of a joint that swings is lowered to this part, from 0.1 to 1: 1 for nothing.
+    pub swing_gain: f32,
     /// What a tick takes the board besides its bus, µs.
     pub compute_us: u32,
     /// The last four bytes of the rig's compact form, which a show must carry.
@@ -51,6 +53,7 @@ impl Default for ControllerSettings {
             stale_s: 0.1,
             blind_s: 2.0,
             beyond_rad: 0.052,
+            swing_gain: 1.0,
             compute_us: 500,
             rig_crc: 0,
         }
@@ -70,7 +73,8 @@ impl ControllerSettings {
         let least_s = (1.0 / schedule.read_hz()).max(1e-3);
         SettingError::check("stale_s", self.stale_s, [least_s, 10.0])?;
         SettingError::check("blind_s", self.blind_s, [0.1, 60.0])?;
-        SettingError::check("beyond_rad", self.beyond_rad, [0.0, 0.5])
+        SettingError::check("beyond_rad", self.beyond_rad, [0.0, 0.5])?;
+        SettingError::check("swing_gain", self.swing_gain, [0.1, 1.0])
     }
 
     /// The fastest joint with which a rig is armed, rad/s: the soft speed, since nothing moves faster while it is

@@ -1,24 +1,26 @@
 //! All detectors of a rig.
 
 use heapless::Vec;
-use sinew_rig::board::BoardRig;
+use sinew_rig::board::{BoardDof, BoardRig};
 use sinew_servo_bus::{Effort, Health};
 
-use super::coordinates::number;
 use super::error::ControllerError;
 use super::path::Path;
-use super::report::{Following as Error, ServoReport};
+use super::report::{DofReport, Following as Error, ServoReport};
 use super::settings::{ControllerSettings, ServoSetup};
 use crate::SettingError;
 use crate::drives::{Condition, DriveSettings, Measured};
-use crate::supervisor::detect::{Derated, Following, Heat, Overrun, Silence, Supply, Winding};
+use crate::supervisor::detect::{
+    Derated, Following, Heat, Overrun, Silence, Supply, Swing, SwingSettings, Winding,
+};
 use crate::supervisor::{Fault, Findings, GuardSettings};
 
 /// Looks at every servo and dof, once a tick.
 #[derive(Debug, Default)]
 pub(super) struct Watch<const DOFS: usize, const SERVOS: usize> {
     servos: Vec<Servo, SERVOS>,
-    dofs: Vec<(Following, u16), DOFS>,
+    dofs: Vec<Dof, DOFS>,
+    swing: SwingSettings,
     silence: Silence,
     pub(super) overrun: Overrun,
     stale_ticks: u32,
@@ -26,6 +28,15 @@ pub(super) struct Watch<const DOFS: usize, const SERVOS: usize> {
     beyond_rad: f32,
     /// The fastest joint with which a rig is armed, rad/s.
     pub(super) rest_rad_s: f32,
+}
+
+/// One dof, and what is found of it.
+#[derive(Debug, Clone)]
+struct Dof {
+    following: Following,
+    swing: Swing,
+    /// Its first servo.
+    servo: u16,
 }
 
 /// One servo, and what is found of it.
@@ -69,15 +80,16 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
                 derated: Derated::FULL,
             });
         }
-        let mut dofs: Vec<(Following, u16), DOFS> = Vec::new();
-        let _ =
-            dofs.resize(rig.dofs().len(), (Following::new(settings.following, dt_s)?, u16::MAX));
+        let mut dofs: Vec<Dof, DOFS> = Vec::new();
+        let following = Following::new(settings.following, dt_s)?;
+        let dof = Dof { following, swing: Swing::default(), servo: u16::MAX };
+        let _ = dofs.resize(rig.dofs().len(), dof);
         for drive in rig.drives() {
             for dof in &drive.dofs {
-                if let (Some((_, of)), Some(servo)) =
+                if let (Some(of), Some(servo)) =
                     (dofs.get_mut(usize::from(*dof)), drive.servos.first())
                 {
-                    *of = *servo;
+                    of.servo = *servo;
                 }
             }
         }
@@ -86,6 +98,7 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
         Ok(Self {
             servos,
             dofs,
+            swing: SwingSettings::new(dt_s, settings.swing_gain),
             silence: settings.silence,
             overrun: Overrun::new(settings.overrun)?,
             stale_ticks: ticks(settings.stale_s),
@@ -97,12 +110,17 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
 
     /// The rig is armed: nothing was off until now.
     pub(super) fn begin(&mut self) {
-        self.dofs.iter_mut().for_each(|(following, _)| following.begin());
+        self.dofs.iter_mut().for_each(Dof::begin);
     }
 
     /// What part of its effort a servo may give.
     pub(super) fn share(&self, servo: usize) -> f32 {
         self.servos.get(servo).map_or(0.0, |servo| servo.derated.share)
+    }
+
+    /// The first servo of a dof.
+    pub(super) fn servo(&self, dof: usize) -> Option<usize> {
+        self.dofs.get(dof).map(|dof| dof.servo.into())
     }
 
     /// Whether every servo that tells has a reading that is new enough.
@@ -197,42 +215,53 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
         q: &[f32],
         findings: &mut Findings,
     ) {
-        if let Some((_, servo)) = path.beyond(q, self.beyond_rad).and_then(|dof| self.dofs.get(dof))
-        {
-            findings.note_of(Fault::Range, *servo);
+        if let Some(dof) = path.beyond(q, self.beyond_rad).and_then(|dof| self.dofs.get(dof)) {
+            findings.note_of(Fault::Range, dof.servo);
         }
     }
 
-    /// How far the measured dofs are from what was commanded. `is_held`: they have all their effort to be there.
+    /// How far the measured dofs are from what was commanded (`report`), and whether they swing. `is_held`: they have
+    /// all their effort to be there.
     pub(super) fn dofs(
         &mut self,
-        errors: &[f32],
+        own: &[BoardDof],
         measured: &[Option<Measured>],
         is_held: bool,
         findings: &mut Findings,
+        report: &mut [DofReport],
     ) -> Error {
         let (mut error, mut sum, mut count) = (Error::default(), 0.0, 0.0);
-        for (index, ((following, servo), measured)) in
-            self.dofs.iter_mut().zip(measured).enumerate()
-        {
-            if measured.is_none() {
-                continue;
-            }
-            let off = number(errors, index);
+        let dofs = self.dofs.iter_mut().zip(own).zip(measured).zip(report);
+        for (index, (((dof, own), measured), report)) in dofs.enumerate() {
+            let Some(measured) = measured else { continue };
+            let off = report.error;
             (sum, count) = (sum + off.abs(), count + 1.0);
             if off.abs() > error.most_rad {
                 error.most_rad = off.abs();
                 error.dof = u16::try_from(index).unwrap_or(u16::MAX);
             }
-            if is_held {
-                if let Some(fault) = following.step(off) {
-                    findings.note_of(fault, *servo);
-                }
-            } else {
-                following.begin();
+            if !is_held {
+                dof.begin();
+                continue;
+            }
+            if let Some(fault) = dof.following.step(off) {
+                findings.note_of(fault, dof.servo);
+            }
+            dof.swing.step(&self.swing, off, measured.effort, own.effort);
+            (report.swings, report.gain) = (dof.swing.is_found(), dof.swing.gain());
+            if report.swings {
+                findings.note_of(Fault::Swing, dof.servo);
             }
         }
         error.mean_rad = if count > 0.0 { sum / count } else { 0.0 };
         error
+    }
+}
+
+impl Dof {
+    /// Nothing was off until now.
+    fn begin(&mut self) {
+        self.following.begin();
+        self.swing = Swing::default();
     }
 }

@@ -3,7 +3,7 @@
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Deque;
 use sinew_link::message::{
-    About, Command, Hello, Misfit, Numbered, Outcome, Stream, ToController, ToHost,
+    About, Command, FaultRecord, Hello, Misfit, Numbered, Outcome, Stream, ToController, ToHost,
 };
 use sinew_link::{Decoder, Intake, Order as Sequence, Session};
 use sinew_rig::board::BoardRig;
@@ -74,6 +74,8 @@ pub struct BackgroundTask<
     pub(super) steps: Sum,
     /// Of faults what storage has not taken yet.
     pub(super) faults: Deque<FaultNews, FAULTS_WAITING>,
+    /// The last warning since faults were cleared.
+    pub(super) warning: Option<FaultRecord>,
     /// What was stored counts after a restart: until then nobody arms.
     pub(super) kept: Option<Disarmed>,
 }
@@ -106,6 +108,7 @@ impl<
             telemeter: Telemeter::new(),
             steps: Sum::default(),
             faults: Deque::new(),
+            warning: None,
             kept: None,
         }
     }

@@ -20,15 +20,24 @@ impl<
 {
     /// Tells faults to the host, and keeps them: in the order in which they came, with the notes between them that they
     /// were cleared. So the first one in flash is the first since then, whatever waits.
+    #[inline(never)]
     pub(super) fn keep_faults(&mut self, mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>) {
         while !self.faults.is_full()
             && let Some(news) = mail.with(|mail| mail.faults.pop_front())
         {
             if let FaultNews::Fault(record) = news {
-                self.outbox.put(&ToHost::Fault(text::fault(&record)));
+                let told = text::fault(&record);
+                self.outbox.put(&ToHost::Fault(told));
+                if told.is_warning() {
+                    // Not worth the flash's wear, nor the place of a fault.
+                    self.warning = Some(told);
+                    continue;
+                }
                 if !is_kept(record.times) {
                     continue;
                 }
+            } else {
+                self.warning = None;
             }
             // There is room: asked above.
             let _ = self.faults.push_back(news);

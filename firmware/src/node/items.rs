@@ -203,7 +203,7 @@ impl<
         Ok(Applied::Setting(Value::Number(value)))
     }
 
-    /// 0 is the first since faults were cleared, then from the latest back.
+    /// 0 is the first since faults were cleared, then from the latest back. Behind them is the last warning since then.
     #[inline(never)]
     pub(super) fn read_fault(&mut self, index: u16) -> Done {
         let faults = self.store.faults().map_err(|error| text::storage(&error))?;
@@ -214,7 +214,16 @@ impl<
             Some(back) => faults.last.iter().rev().nth(back.into()),
         };
         let record = record.and_then(text::kept).map(|record| text::fault(&record));
-        Ok(Applied::Fault(FaultReport { count, record }))
+        let mut report = FaultReport { count, record };
+        if self.warning.is_some() {
+            // What was before faults were cleared is not told.
+            let told = if faults.first.is_some() { count } else { 0 };
+            report.count = told.saturating_add(1);
+            if index == told {
+                report.record = self.warning;
+            }
+        }
+        Ok(Applied::Fault(report))
     }
 }
 

@@ -17,7 +17,7 @@ const EACH: usize = 6;
 pub const SETTINGS_MAX: usize = EACH * SETTING_NAMES.len();
 
 /// All settings by key, from 1, with the unit behind the name.
-pub const SETTING_NAMES: [&str; 18] = [
+pub const SETTING_NAMES: [&str; 19] = [
     "link_hold_s",
     "link_limp_s",
     "enable_s",
@@ -36,6 +36,7 @@ pub const SETTING_NAMES: [&str; 18] = [
     "live_delay_s",
     "live_stale_s",
     "float_rad_s",
+    "swing_gain",
 ];
 
 /// What a node can be told. The rest of [`ControllerSettings`] is the board's: bus, servos, tracker.
@@ -164,8 +165,15 @@ impl NodeSettings {
     }
 
     fn field(&mut self, key: u16) -> Option<&mut f32> {
-        let ControllerSettings { supervisor, following, stale_s, blind_s, beyond_rad, .. } =
-            &mut self.controller;
+        let ControllerSettings {
+            supervisor,
+            following,
+            stale_s,
+            blind_s,
+            beyond_rad,
+            swing_gain,
+            ..
+        } = &mut self.controller;
         Some(match key {
             1 => &mut supervisor.link_hold_s,
             2 => &mut supervisor.link_limp_s,
@@ -185,6 +193,7 @@ impl NodeSettings {
             16 => &mut self.live_delay_s,
             17 => &mut self.live_stale_s,
             18 => &mut supervisor.float_rad_s,
+            19 => swing_gain,
             _ => return None,
         })
     }

@@ -8,7 +8,7 @@ use sinew_rig::board::BoardRig;
 use super::mail::Tick;
 use super::text;
 use crate::controller::MotionController;
-use crate::supervisor::Fault;
+use crate::supervisor::{Fault, FaultSet};
 
 /// How long ticks took since the last snapshot.
 #[derive(Debug, Clone, Copy, Default)]
@@ -66,11 +66,12 @@ pub(super) fn of<
         (Some(at), Some(hz)) => at.sample() as f32 / hz,
         _ => 0.0,
     };
+    let warning = || report.present.and(FaultSet::WARNINGS).first();
     let mut tick = Tick {
         number: more.times.tick,
         summary: Summary {
             state: text::state(report.state),
-            fault: report.latched.first().map(Fault::number),
+            fault: report.latched.first().or_else(warning).map(Fault::number),
             errors: errors(controller, rig),
             tick_us: more.times.mean_us(),
             tick_max_us: u16::try_from(more.times.most_us).unwrap_or(u16::MAX),
@@ -90,9 +91,10 @@ pub(super) fn of<
     for q in controller.measured() {
         let _ = tick.q.push(finite(*q));
     }
-    for dof in &report.dofs {
+    for (index, dof) in report.dofs.iter().enumerate() {
         let effort = finite(dof.effort);
-        let _ = tick.dofs.push(Dof { effort, limiter: dof.limit.map(text::limit) });
+        let limiter = text::limiter(dof, controller.first_servo(index));
+        let _ = tick.dofs.push(Dof { effort, limiter });
     }
     for servo in &report.servos {
         let temperature_c = servo.temperature_c.map(|t| {

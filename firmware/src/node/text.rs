@@ -8,6 +8,9 @@ use sinew_rig::board::BoardRigError;
 use sinew_show::ShowError;
 use sinew_storage::{Approver, CapacityError, Descriptor, Error, Hash, Kind};
 
+use crate::controller::{DofReport, ServoReport};
+use crate::drives;
+use crate::supervisor::detect::Concern;
 use crate::supervisor::{
     self, Fault, FaultRecord, Feed, Moving, Operator, Refused, RegisterDiffers, State,
 };
@@ -29,7 +32,39 @@ pub(super) fn operator(operator: message::Operator) -> Operator {
     Operator(operator.0)
 }
 
-pub(super) fn limit(reason: LimitReason) -> Limit {
+/// What limits a dof: its effort, or else its first servo's drive, or heat and supply. The one answer, of telemetry, of
+/// recordings and of tables.
+pub fn limiter(dof: &DofReport, servo: Option<&ServoReport>) -> Option<Limit> {
+    if dof.limit.is_some() {
+        return dof.limit.map(limit);
+    }
+    let servo = servo?;
+    let concern = servo.concern.filter(|_| servo.share < 1.0);
+    servo.limit.map(of_drive).or(concern.map(of_concern))
+}
+
+fn of_drive(limit: drives::Limit) -> Limit {
+    match limit {
+        drives::Limit::Range => Limit::Range,
+        drives::Limit::Speed => Limit::Speed,
+        drives::Limit::Acceleration => Limit::Acceleration,
+        drives::Limit::Torque => Limit::Effort,
+        drives::Limit::Current => Limit::Current,
+        drives::Limit::Offset | drives::Limit::OffsetRate => Limit::Offset,
+        drives::Limit::Stale => Limit::Stale,
+        drives::Limit::Heat => Limit::Heat,
+    }
+}
+
+fn of_concern(concern: Concern) -> Limit {
+    match concern {
+        Concern::SupplyLow | Concern::SupplyHigh => Limit::Supply,
+        Concern::Hot | Concern::HotWinding => Limit::Heat,
+        Concern::NotFinite => Limit::NotFinite,
+    }
+}
+
+fn limit(reason: LimitReason) -> Limit {
     match reason {
         LimitReason::Torque | LimitReason::Force => Limit::Effort,
         LimitReason::NotFinite => Limit::NotFinite,

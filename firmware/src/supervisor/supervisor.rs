@@ -53,7 +53,8 @@ pub struct Outcome {
     pub answer: Option<Answer>,
     /// Faults whose condition is there.
     pub present: FaultSet,
-    /// Those of them with a reaction, which they had not in the tick before: they are in the log, for storage to keep.
+    /// Those of them with a reaction, which they had not in the tick before, and warnings that begin: they are in the
+    /// log, for storage to keep.
     pub raised: FaultSet,
     /// Faults that wait to be cleared.
     pub latched: FaultSet,
@@ -108,7 +109,7 @@ impl Supervisor {
         self.set_clocks(&before, &event, answer, now_us);
 
         let present = before.present(&event);
-        let reacting = reacting(present, before.state);
+        let reacting = reacting(present, before.state).union(present.and(FaultSet::WARNINGS));
         let raised = reacting.minus(self.reacting);
         self.reacting = reacting;
         if let (Some(Command::ClearFaults), Some(Ok(_))) = (event.command, answer) {

@@ -21,6 +21,13 @@ pub struct FaultRecord {
     pub times: u16,
 }
 
+impl FaultRecord {
+    /// Whether it is a warning: no rig is stopped by it.
+    pub const fn is_warning(&self) -> bool {
+        self.fault >= 64
+    }
+}
+
 /// A fault of the log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FaultReport {

@@ -34,3 +34,25 @@ pub enum Limit {
     /// The line carries no more.
     Link,
 }
+
+impl Limit {
+    /// Its name, as tables and recordings have it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Range => "range",
+            Self::Speed => "speed",
+            Self::Acceleration => "acceleration",
+            Self::Effort => "effort",
+            Self::Current => "current",
+            Self::Offset => "offset",
+            Self::Supply => "supply",
+            Self::Heat => "heat",
+            Self::Stale => "stale",
+            Self::NotFinite => "not finite",
+            Self::Room => "room",
+            Self::SoftStart => "soft start",
+            Self::Maintenance => "maintenance",
+            Self::Link => "link",
+        }
+    }
+}

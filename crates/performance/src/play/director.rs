@@ -49,9 +49,14 @@ impl Default for Director {
 }
 
 impl Director {
-    /// All faults that came.
+    /// All faults and warnings that came.
     pub fn raised(&self) -> FaultSet {
         self.raised
+    }
+
+    /// Those of them that end a performance.
+    fn faults(&self) -> FaultSet {
+        self.raised.minus(FaultSet::WARNINGS)
     }
 
     /// The joint that it waits for to rest before it arms the rig.
@@ -67,7 +72,7 @@ impl Director {
         self.raised = self.raised.union(report.raised);
         let refused = command.and(report.answer).and_then(Result::err);
         match (self.phase, report.state) {
-            (_, State::Faulted) => return Some(Ended::Faults(self.raised)),
+            (_, State::Faulted) => return Some(Ended::Faults(self.faults())),
             // Torque is off.
             (Phase::Stopping, State::Limp | State::Off) => {}
             (Phase::PowerOn, _) if sim.time_s() < READY_S => return None,
@@ -78,7 +83,7 @@ impl Director {
             }
         }
         Some(match self.refused {
-            _ if !self.raised.is_empty() => Ended::Faults(self.raised),
+            _ if !self.faults().is_empty() => Ended::Faults(self.faults()),
             Some(refused) => Ended::Refused(refused),
             None if self.is_stopped => Ended::Stopped,
             None => Ended::Done,

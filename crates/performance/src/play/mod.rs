@@ -27,6 +27,7 @@ mod servo_part;
 mod servos;
 mod simulated_lines;
 mod simulated_rig;
+mod swing_meter;
 mod tally;
 mod wires;
 
@@ -45,6 +46,7 @@ pub use servo_part::{Drive, ServoPart};
 pub use servos::{PutError, ServoChoice, put_servos};
 pub use simulated_lines::Memory;
 pub use simulated_rig::SimulatedRig;
+pub use swing_meter::SwingMeter;
 pub use tally::{Errors, Tally};
 pub use wires::Wires;
 

@@ -33,13 +33,15 @@ const END_SHARE: usize = 5;
 
 /// Columns of each joint.
 pub(super) const OF_JOINT: [&str; 4] = ["commanded", "measured", "error", "effort"];
+/// A column of each joint that early recordings do not have.
+pub(super) const SWINGS: &str = "swings";
 /// Columns of each servo.
 pub(super) const OF_SERVO: [&str; 3] = ["current", "temperature", "voltage"];
 
 /// Writes a recording.
 ///
-/// Columns: `time_s`, `state`, `runs` (whether the show ran) and `faults` (those that came in the tick); of each joint
-/// `JOINT.commanded`, `.measured`, `.error` (rad, or m), `.effort` (N m, or N) and `.limiter`; of each servo
+/// Columns: `time_s`, `state`, `runs` (whether the show ran) and `faults` (those that came in the tick, and warnings); of each joint
+/// `JOINT.commanded`, `.measured`, `.error` (rad, or m), `.effort` (N m, or N), `.limiter` and `.swings`; of each servo
 /// `SERVO.current` (A), `.temperature` (degC) and `.voltage` (V). What is not known is null. Joints are degrees of
 /// freedom; of a ball joint positions are the rotation vector's.
 ///
@@ -63,6 +65,7 @@ pub struct Recorder {
 struct Joint {
     numbers: [Vec<Option<f32>>; 4],
     limiter: Vec<Option<ByteArray>>,
+    swings: Vec<Option<bool>>,
 }
 
 impl Recorder {
@@ -94,6 +97,7 @@ impl Recorder {
                 fields.push(field(&format!("{name}.{of}"), PhysicalType::FLOAT)?);
             }
             fields.push(field(&format!("{name}.limiter"), PhysicalType::BYTE_ARRAY)?);
+            fields.push(field(&format!("{name}.{SWINGS}"), PhysicalType::BOOLEAN)?);
         }
         for servo in &parts.servos {
             for of in OF_SERVO {
@@ -147,6 +151,7 @@ impl Recorder {
                 column.push(number);
             }
             joint.limiter.push(sim.limiter(index).map(|limiter| limiter.as_str().into()));
+            joint.swings.push(Some(dof.swings));
         }
         for (index, columns) in self.servos.iter_mut().enumerate() {
             let told = &report.servos[index];
@@ -215,6 +220,7 @@ impl Recorder {
                 next(Column::Number(numbers))?;
             }
             next(Column::Text(&mut joint.limiter))?;
+            next(Column::Flag(&mut joint.swings))?;
         }
         for numbers in self.servos.iter_mut().flatten() {
             next(Column::Number(numbers))?;

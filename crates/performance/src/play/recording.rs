@@ -13,7 +13,7 @@ use parquet::file::serialized_reader::SerializedPageReader;
 use sinew_mocap::Kind;
 use thiserror::Error;
 
-use super::record::{OF_JOINT, OF_SERVO, SCHEMA, UNFINISHED};
+use super::record::{OF_JOINT, OF_SERVO, SCHEMA, SWINGS, UNFINISHED};
 
 /// What a Parquet file begins and ends with.
 const MAGIC: &[u8; 4] = b"PAR1";
@@ -71,7 +71,7 @@ pub struct Part {
     pub states: Vec<Option<String>>,
     /// Whether the show ran.
     pub runs: Vec<bool>,
-    /// Faults that came.
+    /// Faults and warnings that came.
     pub faults: Vec<Option<String>>,
     /// By joint.
     pub joints: Vec<JointRows>,
@@ -92,6 +92,8 @@ pub struct JointRows {
     pub effort: Vec<f32>,
     /// What limited that.
     pub limiter: Vec<Option<String>>,
+    /// Whether it swings, or did within the last 5 s.
+    pub swings: Vec<bool>,
 }
 
 /// Some rows of a servo.
@@ -178,6 +180,13 @@ impl Recording {
             let own = |bytes: ByteArray| String::from_utf8_lossy(bytes.data()).into_owned();
             Ok(texts.into_iter().map(|text| text.map(own)).collect())
         };
+        let flags = |name: &str| -> Result<Vec<bool>, RecordingError> {
+            match self.column::<BoolType>(group, name) {
+                Ok(flags) => Ok(flags.into_iter().map(|flag| flag == Some(true)).collect()),
+                Err(RecordingError::Column(_)) => Ok(vec![false; self.count(group)]),
+                Err(why) => Err(why),
+            }
+        };
         let joint = |name: &String| -> Result<JointRows, RecordingError> {
             let [commanded, measured, error, effort] = OF_JOINT.map(|of| format!("{name}.{of}"));
             Ok(JointRows {
@@ -186,6 +195,7 @@ impl Recording {
                 error: float(&error)?,
                 effort: float(&effort)?,
                 limiter: text(&format!("{name}.limiter"))?,
+                swings: flags(&format!("{name}.{SWINGS}"))?,
             })
         };
         let servo = |name: &String| -> Result<ServoRows, RecordingError> {
@@ -208,6 +218,11 @@ impl Recording {
         })
     }
 
+    /// Rows of a part.
+    fn count(&self, group: usize) -> usize {
+        usize::try_from(self.metadata.row_group(group).num_rows()).unwrap_or_default()
+    }
+
     fn column<T: DataType>(
         &self,
         group: usize,
@@ -217,7 +232,7 @@ impl Recording {
         let place = self.columns().position(|column| column == name).ok_or_else(missing)?;
         let damaged = |source| RecordingError::Damaged { part: group + 1, source };
         let rows = self.metadata.row_group(group);
-        let count = usize::try_from(rows.num_rows()).unwrap_or_default();
+        let count = self.count(group);
         let chunk = rows.column(place);
         if chunk.column_type() != T::get_physical_type() {
             return Err(missing());

@@ -6,6 +6,7 @@ use std::rc::Rc;
 use sinew_core::glam::Quat;
 use sinew_core::{JointKind, math};
 use sinew_firmware::controller::{Incomplete, Inputs, Report, Start};
+use sinew_firmware::node;
 use sinew_firmware::supervisor::{Command, FaultSet, Feed, Permission, Source};
 use sinew_servo_bus::dynamixel::table::address;
 use sinew_servo_bus::feetech::table::address::TORQUE_ENABLE as FEETECH_TORQUE_ENABLE;
@@ -183,19 +184,14 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         })
     }
 
-    /// What limits a joint now, as tables and recordings count it: its effort, its first servo's drive, the guard, or
-    /// heat and supply.
+    /// What limits a joint now, as tables, recordings and a board's telemetry count it: its effort, its first servo's
+    /// drive, or heat and supply; or else the guard.
     pub fn limiter(&self, dof: usize) -> Option<String> {
-        let effort = self.report().dofs[dof].limit.map(|limit| format!("{limit:?}"));
-        let of_servo = || {
-            let servo = &self.report().servos[self.parts.first_servo[dof]?];
-            let drive = servo.limit.map(|limit| format!("{limit:?}"));
-            let concern = || servo.concern.filter(|_| servo.share < 1.0);
-            drive
-                .or_else(|| servo.guard.map(|guard| format!("{guard:?}")))
-                .or_else(|| concern().map(|concern| format!("{concern:?}")))
-        };
-        effort.or_else(of_servo).map(|limit| limit.to_lowercase())
+        let report = self.report();
+        let servo = self.parts.first_servo[dof].map(|servo| &report.servos[servo]);
+        let limiter = node::limiter(&report.dofs[dof], servo).map(|limit| limit.name().to_owned());
+        let guard = || Some(format!("{:?}", servo?.guard?).to_lowercase());
+        limiter.or_else(guard)
     }
 
     /// Whether every servo that tells has told its temperature: drives give nothing before.

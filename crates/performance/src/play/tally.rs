@@ -1,7 +1,9 @@
 //! What a performance came to: following errors, currents, temperatures, by joint and by drive.
 
+use std::collections::BTreeMap;
+
 use comfy_table::Table;
-use sinew_firmware::supervisor::FaultSet;
+use sinew_firmware::supervisor::{Fault, FaultSet};
 use sinew_host_util::command::table;
 use sinew_servo_sim::load::Plant;
 use sinew_servo_sim::plant::RigPlant;
@@ -9,9 +11,10 @@ use sinew_servo_sim::plant::RigPlant;
 use super::rig_parts::RigParts;
 use super::servo_part::Drive;
 use super::simulated_rig::SimulatedRig;
+use super::swing_meter::SwingMeter;
 
 /// Sums of one dof, while the show runs.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone)]
 struct Sums {
     error: f64,
     largest: f64,
@@ -19,7 +22,11 @@ struct Sums {
     effort: f64,
     current_a: f64,
     celsius: f64,
-    limited: u64,
+    /// By what it was limited, in how many ticks.
+    limited: BTreeMap<String, u64>,
+    swing: SwingMeter,
+    /// Whether the controller has found that it swings, at any time.
+    is_swinging: bool,
 }
 
 /// What is kept of all ticks in which a show runs.
@@ -51,21 +58,36 @@ impl Tally {
     pub fn new(parts: &RigParts) -> Self {
         let count = parts.names.len();
         let tells_nothing = (0..count).any(|dof| parts.tells_nothing(dof));
-        Self { dofs: vec![Sums::default(); count], ticks: 0, tells_nothing }
+        let sums = Sums {
+            error: 0.0,
+            largest: 0.0,
+            largest_s: 0.0,
+            effort: 0.0,
+            current_a: 0.0,
+            celsius: 0.0,
+            limited: BTreeMap::new(),
+            swing: SwingMeter::new(parts.rate_hz.into()),
+            is_swinging: false,
+        };
+        Self { dofs: vec![sums; count], ticks: 0, tells_nothing }
     }
 
     /// Adds a tick. Servos on pulses report nothing: their error is taken from the simulated rig.
     pub fn note(&mut self, sim: &SimulatedRig<'_, RigPlant>) {
+        let report = sim.report();
+        for (sums, dof) in self.dofs.iter_mut().zip(&report.dofs) {
+            sums.is_swinging |= dof.swings;
+        }
         if !sim.runs() {
             return;
         }
-        let report = sim.report();
         let time_s = self.ticks as f64 / f64::from(sim.parts.rate_hz);
         self.ticks += 1;
         let simulated = if self.tells_nothing { sim.simulated_errors() } else { Vec::new() };
         for (index, (sums, dof)) in self.dofs.iter_mut().zip(&report.dofs).enumerate() {
             let tells_nothing = sim.parts.tells_nothing(index);
             let error = if tells_nothing { simulated[index] } else { dof.error };
+            sums.swing.note(error.into());
             let error = f64::from(error.abs());
             sums.error += error;
             if error > sums.largest {
@@ -77,7 +99,9 @@ impl Tally {
             sums.current_a = sums.current_a.max(current_a);
             let told = &report.servos[servo];
             sums.celsius = sums.celsius.max(told.temperature_c.map_or(0.0, f64::from));
-            sums.limited += u64::from(sim.limiter(index).is_some());
+            if let Some(limiter) = sim.limiter(index) {
+                *sums.limited.entry(limiter).or_default() += 1;
+            }
         }
     }
 
@@ -111,8 +135,10 @@ impl Tally {
     pub fn table<P: Plant>(&self, sim: &SimulatedRig<'_, P>, raised: FaultSet) -> String {
         let parts = sim.parts;
         let (by_drive, by_joint) = (self.by_drive(parts), self.by_joint(parts));
-        let faults: Vec<String> = raised.iter().map(|fault| fault.to_string()).collect();
+        let faults = raised.minus(FaultSet::WARNINGS).iter();
+        let faults: Vec<String> = faults.map(|fault| fault.to_string()).collect();
         let faults = if faults.is_empty() { "none".to_owned() } else { faults.join(", ") };
+        let warnings = self.warnings(parts);
         let wires = sim.wires();
         let (incomplete, why) = sim.incomplete();
         let why = why.map_or_else(String::new, |why| format!(" ({why})"));
@@ -123,7 +149,7 @@ impl Tally {
         };
         format!(
             "Following error while the show ran, {:.2} s; angles in deg, ways in mm.\n{pulses}{by_drive}\n{by_joint}\n\
-             faults: {faults}\nticks: {} of {:.2} ms, {} overruns, {incomplete} not whole{why}\n\
+             faults: {faults}\n{warnings}ticks: {} of {:.2} ms, {} overruns, {incomplete} not whole{why}\n\
              wire: {} bytes sent, {} answered, hash {:016x}\n",
             self.ticks as f64 / f64::from(parts.rate_hz),
             sim.ticks(),
@@ -133,6 +159,17 @@ impl Tally {
             wires.answered,
             wires.hash,
         )
+    }
+
+    /// Which joints swing.
+    fn warnings(&self, parts: &RigParts) -> String {
+        let dofs = self.dofs.iter().zip(&parts.names);
+        let joints: Vec<&str> =
+            dofs.filter(|(sums, _)| sums.is_swinging).map(|(_, name)| name.as_str()).collect();
+        if joints.is_empty() {
+            return String::new();
+        }
+        format!("{}: {}\n", Fault::Swing, joints.join(", "))
     }
 
     fn by_drive(&self, parts: &RigParts) -> String {
@@ -169,6 +206,7 @@ impl Tally {
             "effort N m",
             "current A",
             "celsius",
+            "swing",
             "limited",
         ];
         let mut table = table(header, 2..header.len());
@@ -190,11 +228,19 @@ impl Tally {
                 known(format!("{:.3}", sums.effort)),
                 known(format!("{:.2}", sums.current_a)),
                 known(format!("{:.0}", sums.celsius)),
-                format!("{:.0} %", 100.0 * sums.limited as f64 / ticks),
+                known(shown(sums.swing.peak_to_peak())),
+                limited(&sums.limited, ticks),
             ]);
         }
         lines(&table)
     }
+}
+
+/// In what part of the ticks a joint was limited, and by what most often.
+fn limited(by: &BTreeMap<String, u64>, ticks: f64) -> String {
+    let share = 100.0 * by.values().sum::<u64>() as f64 / ticks;
+    let most = by.iter().max_by_key(|(_, count)| **count);
+    most.map_or_else(|| "0 %".to_owned(), |(limiter, _)| format!("{share:.0} % {limiter}"))
 }
 
 /// A table as lines without blanks at their ends.

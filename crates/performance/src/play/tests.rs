@@ -181,3 +181,57 @@ fn pulses_are_told_as_far_as_joints_go() {
     assert!((pulses_us[1] - pulses_us[0] - 250.0).abs() < 0.1, "{pulses_us:?}");
     assert!(pulses_us.iter().any(|us| (us - 1500.0).abs() < 0.1), "{pulses_us:?}");
 }
+
+/// What an arm of six that stands for 6 s came to: its warnings, the mean of its errors, rad, and the table. `kp`: of its
+/// tracker.
+fn stands(kp: f32, swing_gain: f32) -> (FaultSet, f64, String) {
+    let rig = arm(6).unwrap();
+    let mechanism = rig.mechanism().unwrap();
+    let options = Options { drive: Some(Drive::Current), ..Options::default() };
+    let mut parts = RigParts::new(&rig, &mechanism, options).unwrap();
+    parts.settings.tracker.kp = kp;
+    parts.settings.swing_gain = swing_gain;
+    let motion = RigMotion { dt_s: 0.1, rows: vec![mechanism.home(); 61] };
+    let (rig_crc, settings) = (parts.rig_crc(), Settings::default());
+    let baker = Baker { mechanism: &mechanism, rig: rig_crc, settings };
+    let show = baker.bake(&motion, &ShowMarks::default()).unwrap().written.bytes;
+    let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
+    let plant = parts.plant(&rig, &mechanism).unwrap();
+    let mut sim = SimulatedRig::new(&parts, Some(&show), &mut memories, plant).unwrap();
+    let (mut director, mut tally) = (Director::default(), Tally::new(&parts));
+    let ended = (0..60 * parts.rate_hz).find_map(|_| {
+        let ended = director.tick(&mut sim, false);
+        tally.note(&sim);
+        ended
+    });
+    assert_eq!(ended, Some(Ended::Done), "a warning ends nothing");
+    let errors = tally.errors(&parts, None).unwrap();
+    (director.raised(), errors.mean_rad, tally.table(&sim, director.raised()))
+}
+
+/// With four times the gains that its gears bear the arm swings, and says at which joints; a setting calms it.
+#[test]
+fn a_rig_that_swings_says_so_and_ends_well() {
+    let (raised, mean_rad, table) = stands(800.0, 1.0);
+    assert_eq!(raised, FaultSet::WARNINGS);
+    assert!(
+        table.contains("faults: none\nwarning 64 (swing): bend2, bend3, bend5, bend6\n"),
+        "{table}"
+    );
+    let of_joint = |name: &str| {
+        let line = table.lines().find(|line| line.split_whitespace().next() == Some(name)).unwrap();
+        line.split_whitespace().skip(8).map(str::to_owned).collect::<Vec<_>>()
+    };
+    // Columns swing and limited. It turns about the vertical, and nothing pulls there.
+    let [still, swings] = ["turn1", "bend3"].map(of_joint);
+    assert!(still[0] == "0.00" && still[1..] == ["0", "%"], "{table}");
+    assert!(swings[0].parse::<f64>().unwrap() > 1.0, "{table}");
+    assert!(swings[1] != "0" && swings[2..] == ["%", "current"], "{table}");
+
+    let (raised, calmed_rad, table) = stands(800.0, 0.3);
+    assert_eq!(raised, FaultSet::WARNINGS);
+    assert!(calmed_rad < 0.5 * mean_rad, "{table}");
+
+    let (raised, _, table) = stands(50.0, 1.0);
+    assert!(raised.is_empty() && !table.contains("warning"), "{table}");
+}

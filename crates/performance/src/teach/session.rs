@@ -178,10 +178,11 @@ impl<'s, 'a> TeachSession<'s, 'a> {
             Some(Err(why)) => return Err(TeachSessionError::Refused(why)),
             _ => {}
         }
-        if report.raised.is_empty() || !report.state.is_on() && report.state != State::Faulted {
+        let raised = report.raised.minus(FaultSet::WARNINGS);
+        if raised.is_empty() || !report.state.is_on() && report.state != State::Faulted {
             Ok(())
         } else {
-            Err(TeachSessionError::Faults(report.raised))
+            Err(TeachSessionError::Faults(raised))
         }
     }
 }

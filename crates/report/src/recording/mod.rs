@@ -155,12 +155,21 @@ fn verdict(joints: &[Joint], watch: &Watch, duration_s: f64) -> String {
         ),
         _ => "No show ran.".to_owned(),
     };
-    let faults = match watch.faults.len() {
+    let swinging: Vec<&str> = (joints.iter().zip(watch.told()))
+        .filter(|(_, told)| told.is_swinging)
+        .map(|(joint, _)| joint.name.as_str())
+        .collect();
+    let swinging = match swinging.as_slice() {
+        [] => String::new(),
+        many => format!(" It swings at {}.", many.join(", ")),
+    };
+    let is_fault = |(_, fault): &&(f64, String)| !fault.starts_with("warning");
+    let faults = match watch.faults.iter().filter(is_fault).count() {
         0 => "no fault came".to_owned(),
         1 => "one fault came".to_owned(),
         many => format!("{many} faults came"),
     };
-    format!("{followed} In {duration_s:.2} s {faults}.")
+    format!("{followed}{swinging} In {duration_s:.2} s {faults}.")
 }
 
 fn notes(watch: &Watch, duration_s: f64) -> Vec<String> {
@@ -173,6 +182,9 @@ fn notes(watch: &Watch, duration_s: f64) -> Vec<String> {
         "Error is the command of the tick before less what was measured after it, as the controller compares them."
             .to_owned(),
         "The thin lines on the stage are where the rig was sent.".to_owned(),
+        "Swing is what of the error alternates faster than some 8 times a second, from peak to peak, where it is largest. \
+         It is bold where the controller warned of it."
+            .to_owned(),
     ];
     if watch.end_s() < duration_s - 2.0 * watch.dt_s() {
         notes.push(format!(
@@ -194,7 +206,7 @@ fn stage(joints: &[Joint], watch: &Watch) -> Markup {
             canvas id="stage" tabindex="0" role="img"
                 aria-label="The rig. Arrow keys turn the view, plus and minus zoom." {}
             p class="legend-of-loads" {
-                "Error:" (key("low", "none")) (key("mid", half)) (key("high", full))
+                "Error:" (key("low", "none")) (key("mid", half)) (key("high", &format!("{full}, or it swings")))
             }
             div class="transport" {
                 button id="play" type="button" aria-label="Play" { "▶" }

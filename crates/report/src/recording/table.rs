@@ -15,7 +15,7 @@ pub(super) fn course(watch: &Watch) -> Markup {
     let (states, faults) = (watch.states.iter(), watch.faults.iter().take(LISTED));
     let mut all: Vec<(f64, Markup)> =
         states.map(|state| (state.from_s, self::state(state))).collect();
-    all.extend(faults.map(|(at_s, fault)| (*at_s, html! { b class="flag" { "Fault: " (fault) } })));
+    all.extend(faults.map(|(at_s, fault)| (*at_s, fault_text(fault))));
     all.sort_by(|(a, _), (b, _)| a.total_cmp(b));
     html! {
         @if watch.faults.len() > LISTED {
@@ -34,6 +34,13 @@ pub(super) fn course(watch: &Watch) -> Markup {
     }
 }
 
+/// A fault; of a warning that it is one.
+fn fault_text(fault: &str) -> Markup {
+    let warning = fault.strip_prefix("warning ").map(|warning| ("Warning: ", warning));
+    let (kind, what) = warning.unwrap_or(("Fault: ", fault));
+    html! { b class="flag" { (kind) (what) } }
+}
+
 fn state(state: &Span) -> Markup {
     html! { (state.name) small { " for " (format!("{:.2} s", state.to_s - state.from_s)) } }
 }
@@ -47,6 +54,7 @@ pub(super) fn joints(joints: &[Joint], watch: &Watch) -> Markup {
         "Torque, N\u{a0}m",
         "Current, A",
         "Warmest, °C",
+        "Swing",
         "Limited",
     ];
     let joints = joints.iter().zip(watch.told());
@@ -61,7 +69,7 @@ fn row(joint: &Joint, told: &JointSummary) -> Markup {
         tr {
             th scope="row" { button type="button" aria-pressed="false" { (joint.name) } }
             @if told.ticks == 0 || joint.columns.servo.is_none() {
-                td colspan="6" class="small" {
+                td colspan="7" class="small" {
                     @if told.ticks == 0 { "no show ran" } @else { "no servo moves it" }
                 }
             } @else {
@@ -75,7 +83,11 @@ fn row(joint: &Joint, told: &JointSummary) -> Markup {
                 td { (text::number(told.effort)) (unit) }
                 td { (known(told.current_a, text::number(told.current_a))) }
                 td { (known(told.celsius, format!("{:.0}", told.celsius))) }
-                td { (format!("{:.0} %", 100.0 * told.limited_share())) }
+                td {
+                    @let swing = text::change(joint.slides, told.swing.peak_to_peak());
+                    @if told.is_swinging { b class="flag" { (swing) } } @else { (swing) }
+                }
+                td { (told.limited()) }
             }
         }
     }

@@ -1,13 +1,15 @@
 //! What a page keeps of a recording, tick after tick.
 
+use std::collections::BTreeMap;
+
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
-use sinew_performance::play::Part;
+use sinew_performance::play::{Part, SwingMeter};
 
 use crate::traces::{Channel, MOST, pack, spacing};
 
-/// Numbers of a page for each joint and sample: its courses, and half a one for what limits it.
+/// Numbers of a page for each joint and sample: its courses, and half a one for what limits it and whether it swings.
 const WIDTH: usize = 6;
 
 /// Which columns a joint of the page is made of.
@@ -30,7 +32,7 @@ pub(super) struct Watch {
     limiters: Vec<String>,
     /// What the supervisor was in, and from when until when, s.
     pub(super) states: Vec<Span>,
-    /// Faults, and when they came, s.
+    /// Faults and warnings, and when they came, s.
     pub(super) faults: Vec<(f64, String)>,
 }
 
@@ -51,11 +53,13 @@ struct Joint {
     current: Vec<f64>,
     /// By sample: what limits it, counted from 1.
     limiter: Vec<u8>,
+    /// By sample: 1 where it swings.
+    swings: Vec<u8>,
     told: JointSummary,
 }
 
 /// What is told of a joint while the show runs.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone)]
 pub(super) struct JointSummary {
     /// Ticks.
     pub(super) ticks: usize,
@@ -70,8 +74,12 @@ pub(super) struct JointSummary {
     /// The largest of its first servo, A and °C.
     pub(super) current_a: f64,
     pub(super) celsius: f64,
-    /// Ticks in which something limited it.
-    pub(super) limited: usize,
+    /// By what it was limited, in how many ticks.
+    pub(super) limited: BTreeMap<String, usize>,
+    /// What of its error is faster than a show.
+    pub(super) swing: SwingMeter,
+    /// Whether the controller has found that it swings, at any time.
+    pub(super) is_swinging: bool,
 }
 
 impl JointSummary {
@@ -79,8 +87,26 @@ impl JointSummary {
         self.error_sum / self.ticks.max(1) as f64
     }
 
-    pub(super) fn limited_share(&self) -> f64 {
-        self.limited as f64 / self.ticks.max(1) as f64
+    /// In what part of the ticks it was limited, and by what most often.
+    pub(super) fn limited(&self) -> String {
+        let share = 100.0 * self.limited.values().sum::<usize>() as f64 / self.ticks.max(1) as f64;
+        let most = self.limited.iter().max_by_key(|(_, count)| **count);
+        most.map_or_else(|| "0 %".to_owned(), |(limiter, _)| format!("{share:.0} % {limiter}"))
+    }
+
+    fn new(rate_hz: f64) -> Self {
+        Self {
+            ticks: 0,
+            error_sum: 0.0,
+            error_most: 0.0,
+            error_most_s: 0.0,
+            effort: 0.0,
+            current_a: 0.0,
+            celsius: 0.0,
+            limited: BTreeMap::new(),
+            swing: SwingMeter::new(rate_hz),
+            is_swinging: false,
+        }
     }
 }
 
@@ -96,7 +122,8 @@ impl Watch {
             effort: vec![f64::NAN; count],
             current: vec![f64::NAN; count],
             limiter: vec![0; count],
-            told: JointSummary::default(),
+            swings: vec![0; count],
+            told: JointSummary::new(rate_hz),
         };
         Self {
             joints: columns.iter().map(|_| joint()).collect(),
@@ -138,7 +165,9 @@ impl Watch {
         let [error, effort] = [&of.error, &of.effort].map(|course| f64::from(course[row]));
         let servo = servo.map(|servo| &part.servos[servo]);
         let current = servo.map_or(f64::NAN, |servo| f64::from(servo.current[row]));
-        let limiter = of.limiter[row].as_deref().map_or(0, |name| code(&mut self.limiters, name));
+        let limited_by = of.limiter[row].as_deref();
+        let limiter = limited_by.map_or(0, |name| code(&mut self.limiters, name));
+        joint.told.is_swinging |= of.swings[row];
         if part.runs[row] {
             let told = &mut joint.told;
             told.ticks += 1;
@@ -150,7 +179,10 @@ impl Watch {
             told.current_a = told.current_a.max(current.abs());
             let celsius = servo.map_or(f64::NAN, |servo| f64::from(servo.temperature[row]));
             told.celsius = told.celsius.max(celsius);
-            told.limited += usize::from(limiter > 0);
+            if let Some(limiter) = limited_by {
+                *told.limited.entry(limiter.to_owned()).or_default() += 1;
+            }
+            told.swing.note(error);
         }
         if self.rows >= self.taken {
             return;
@@ -167,6 +199,7 @@ impl Watch {
         if limiter > 0 {
             joint.limiter[sample] = limiter;
         }
+        joint.swings[sample] |= u8::from(of.swings[row]);
         if self.rows.is_multiple_of(self.every) {
             let at = self.rows / self.every;
             joint.commanded[at] = of.commanded[row].into();
@@ -209,7 +242,8 @@ impl Watch {
                 current: packed(|joint| &joint.current),
             },
             limiters: &self.limiters,
-            limited: self.joints.iter().map(limited).collect(),
+            limited: self.joints.iter().map(|joint| codes(&joint.limiter)).collect(),
+            swings: self.joints.iter().map(|joint| codes(&joint.swings)).collect(),
             states: &self.states,
             faults: self.faults.iter().map(|(at_s, _)| *at_s).collect(),
         }
@@ -225,12 +259,12 @@ fn code(limiters: &mut Vec<String>, name: &str) -> u8 {
     u8::try_from(place + 1).unwrap_or(u8::MAX)
 }
 
-/// Bytes, base64; empty if nothing ever limits the joint.
-fn limited(joint: &Joint) -> String {
-    if joint.limiter.iter().all(|code| *code == 0) {
+/// Bytes, base64; empty if all are 0.
+fn codes(bytes: &[u8]) -> String {
+    if bytes.iter().all(|code| *code == 0) {
         return String::new();
     }
-    STANDARD.encode(&joint.limiter)
+    STANDARD.encode(bytes)
 }
 
 #[derive(Debug, Serialize)]
@@ -240,6 +274,7 @@ pub(super) struct Show<'a> {
     courses: Traces,
     limiters: &'a [String],
     limited: Vec<String>,
+    swings: Vec<String>,
     states: &'a [Span],
     faults: Vec<f64>,
 }

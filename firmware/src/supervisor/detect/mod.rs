@@ -8,6 +8,7 @@
 //! | [`Winding`] | servo with a current | 30 % of the stall current for ever; 20 s winding, 600 s case |
 //! | [`Silence`] | servo | 5 replies missed in a row |
 //! | [`Overrun`] | rig | more than 3 ticks in 500 |
+//! | [`Swing`] | joint | 0.15 deg rms above some 12 Hz, and 3 % of its most effort: a warning, no fault |
 //!
 //! What is NaN or infinite is a fault at once, [`Fault::NotFinite`], and leaves nothing behind.
 //!
@@ -19,6 +20,7 @@ mod heat;
 mod overrun;
 mod silence;
 mod supply;
+mod swing;
 mod winding;
 
 pub use following::{Following, FollowingSettings};
@@ -26,6 +28,7 @@ pub use heat::{Heat, HeatSettings};
 pub use overrun::{Overrun, OverrunSettings};
 pub use silence::Silence;
 pub use supply::{Supply, SupplySettings};
+pub use swing::{Swing, SwingSettings};
 pub use winding::{Winding, WindingSettings};
 
 use super::Fault;

@@ -5,7 +5,8 @@ use core::mem;
 use super::FaultRecord;
 
 /// The first fault since faults were cleared, and the last `K`. A fault that comes again is counted, so that one which
-/// comes and goes pushes no other out; but never with one of before they were cleared, which belongs to another story.
+/// comes and goes pushes no other out; but never with one of before they were cleared, which belongs to another story. A
+/// warning is the first until a fault comes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FaultLog<const K: usize> {
@@ -40,7 +41,8 @@ impl<const K: usize> FaultLog<K> {
 
     /// Notes a fault. O(K).
     pub fn note(&mut self, record: FaultRecord) {
-        if self.since == 0 {
+        let is_warning = |record: FaultRecord| record.fault.is_warning();
+        if self.since == 0 || !is_warning(record) && self.first.is_some_and(is_warning) {
             self.first = Some(record);
         }
         let mut own = self.last.iter_mut().take(self.since).flatten();
@@ -120,6 +122,18 @@ mod tests {
             record(Fault::ServoSilent, 7)
         ]));
         assert_eq!(FaultLog::restored(log.first(), log.last()).last, log.last);
+    }
+
+    #[test]
+    fn a_warning_is_the_first_until_a_fault_comes() {
+        let mut log = FaultLog::<2>::default();
+        log.note(record(Fault::Swing, 4));
+        assert_eq!(log.first(), Some(record(Fault::Swing, 4)));
+        log.note(record(Fault::Range, 5));
+        log.note(record(Fault::Swing, 6));
+        assert_eq!(log.first(), Some(record(Fault::Range, 5)));
+        let again = FaultRecord { times: 2, ..record(Fault::Swing, 4) };
+        assert!(log.last().eq([record(Fault::Range, 5), again]));
     }
 
     #[test]

@@ -19,7 +19,8 @@ pub(super) use table::{BY_COMMAND, BY_UPLOAD, SERIOUS, reacting};
 
 use core::fmt;
 
-/// What can be wrong. The numbers are stored and told to people: **they are never changed, and never used again**.
+/// What can be wrong. The numbers are stored and told to people: **they are never changed, and never used again**. From
+/// 64 on they are warnings: told as faults are, without a reaction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
@@ -66,11 +67,13 @@ pub enum Fault {
     ServoStopped = 20,
     /// A servo keeps its torque, though it was switched off.
     TorqueStuck = 21,
+    /// A joint swings. A warning.
+    Swing = 64,
 }
 
 impl Fault {
     /// How many there are.
-    pub const COUNT: usize = 21;
+    pub const COUNT: usize = 22;
 
     /// All of them, by number.
     pub const ALL: [Self; Self::COUNT] = [
@@ -95,11 +98,17 @@ impl Fault {
         Self::Panic,
         Self::ServoStopped,
         Self::TorqueStuck,
+        Self::Swing,
     ];
 
     /// Its number.
     pub const fn number(self) -> u8 {
         self as u8
+    }
+
+    /// Whether it is a warning.
+    pub const fn is_warning(self) -> bool {
+        self.number() >= 64
     }
 
     /// Its name.
@@ -126,12 +135,14 @@ impl Fault {
             Self::Panic => "panic",
             Self::ServoStopped => "servo has stopped",
             Self::TorqueStuck => "torque stuck",
+            Self::Swing => "swing",
         }
     }
 }
 
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "fault {} ({})", self.number(), self.name())
+        let what = if self.is_warning() { "warning" } else { "fault" };
+        write!(f, "{what} {} ({})", self.number(), self.name())
     }
 }

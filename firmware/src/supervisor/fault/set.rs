@@ -2,7 +2,7 @@
 
 use super::Fault;
 
-/// A set of faults: a bit for each, by its number.
+/// A set of faults: a bit for each, by its number; a warning's is its number less 64, which no fault has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FaultSet(u32);
@@ -14,8 +14,12 @@ impl FaultSet {
     /// What a good show mends.
     pub const OF_SHOW: Self = Self::of(Fault::ShowBad).with(Fault::ShowForeign);
 
+    /// All warnings.
+    pub const WARNINGS: Self = Self::of(Fault::Swing);
+
     /// One fault.
     pub const fn of(fault: Fault) -> Self {
+        // The shift is modulo 32.
         Self(1_u32.wrapping_shl(fault as u32))
     }
 

@@ -41,6 +41,9 @@ const fn sets() -> [FaultSet; 3] {
     sets
 }
 
+/// A warning.
+const NOTE: [Reaction; State::COUNT] = [Reaction::Note; State::COUNT];
+
 /// Torque is off at once, whatever the state.
 const LIMP: [Reaction; State::COUNT] = [Reaction::Limp; State::COUNT];
 
@@ -94,4 +97,5 @@ pub const TABLE: &[Row; Fault::COUNT] = &[
     Row { fault: Fault::Panic, reactions: LIMP, clears: Clears::Command },
     Row { fault: Fault::ServoStopped, reactions: LOWER, clears: Clears::Command },
     Row { fault: Fault::TorqueStuck, reactions: LIMP, clears: Clears::Command },
+    Row { fault: Fault::Swing, reactions: NOTE, clears: Clears::Itself },
 ];

@@ -1,6 +1,6 @@
 //! What becomes of a fault in a state: a cell of `docs/fault-matrix.md`, of whatever ticks.
 
-use sinew_firmware::supervisor::{Fault, Reaction, State, TABLE};
+use sinew_firmware::supervisor::{Fault, Reaction, Row, State, TABLE};
 
 use super::test_rig::{NOTHING_A, SERVOS};
 
@@ -16,6 +16,11 @@ pub(crate) trait Tried {
     fn ticks_of(&self, seconds: f64) -> u32;
 }
 
+/// The row of a fault.
+pub(crate) fn row(fault: Fault) -> &'static Row {
+    TABLE.iter().find(|row| row.fault == fault).unwrap()
+}
+
 /// What was counted.
 pub(crate) struct Cell {
     pub(crate) reaction: Reaction,
@@ -27,7 +32,7 @@ pub(crate) struct Cell {
 
 /// Counts, from the tick on whose condition was just made. What must hold is asserted.
 pub(crate) fn measure(tried: &mut impl Tried, fault: Fault, state: State) -> Cell {
-    let reaction = TABLE[usize::from(fault.number()) - 1].reaction(state);
+    let reaction = row(fault).reaction(state);
     let carried_a = tried.most_current_a();
     let mut noticed = 0_u32;
     loop {

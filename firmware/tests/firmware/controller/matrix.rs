@@ -4,11 +4,11 @@
 
 use sinew_firmware::controller::Start;
 use sinew_firmware::supervisor::{
-    Clears, Command, Fault, FaultSet, Feed, Operator, Reaction, State, TABLE,
+    Clears, Command, Fault, FaultSet, Feed, Operator, Reaction, State,
 };
 use sinew_servo_sim::fault::{Fault as Damage, FaultKind};
 
-use super::cell::{Tried, measure, must_be, table};
+use super::cell::{Tried, measure, must_be, row, table};
 use super::play::show;
 use super::test_rig::{Kind, Planted, TestRig, figure};
 
@@ -17,16 +17,16 @@ const ANN: Operator = Operator(1);
 /// Why a fault cannot come in a state.
 fn excuse(fault: Fault, state: State) -> Option<&'static str> {
     use Fault::{
-        BrownOut, FollowingError, LinkLost, Panic, ServoStopped, ShowBad, ShowForeign, TorqueStuck,
-        WatchdogReset,
+        BrownOut, FollowingError, LinkLost, Panic, ServoStopped, ShowBad, ShowForeign, Swing,
+        TorqueStuck, WatchdogReset,
     };
     match fault {
         WatchdogReset | BrownOut | Panic if state != State::Off => Some("at the start alone"),
         ShowBad | ShowForeign if state != State::Playing => Some("no show plays"),
         ServoStopped if !state.is_on() => Some("its watchdog rests"),
         TorqueStuck if state.is_on() => Some("torque is to be on"),
-        FollowingError if !state.is_on() => Some("nothing is followed"),
-        FollowingError if state == State::Lowering => Some("it sinks on purpose"),
+        FollowingError | Swing if !state.is_on() => Some("nothing is followed"),
+        FollowingError | Swing if state == State::Lowering => Some("it sinks on purpose"),
         LinkLost if state == State::Arming => Some("over after 1 s"),
         LinkLost if state == State::Playing => Some("link late holds it before"),
         _ => None,
@@ -107,6 +107,11 @@ fn plant(test_rig: &mut TestRig, fault: Fault, on: bool) {
         Fault::FollowingError if is_led => Planted { off_rad: [0.52, -0.52], ..Planted::default() },
         // A horn that has slipped by 30 deg: it is not back within 15 while the fault is looked for.
         Fault::FollowingError => Planted { off_rad: [0.52; 2], ..Planted::default() },
+        Fault::Swing => {
+            // Of a hand's lead no more than the haste is left.
+            let swing_rad = if is_led { 0.05 } else { 0.01 };
+            Planted { swing_rad: Some(swing_rad), ..Planted::default() }
+        }
         Fault::Range => {
             Planted { position_rad: Some(std::f32::consts::PI + 2.9), ..Planted::default() }
         }
@@ -187,7 +192,7 @@ fn cell(fault: Fault, state: State) -> String {
         comes_to_rest(&mut test_rig, fault);
     }
     let latches = test_rig.controller.report().latched.contains(fault);
-    let row = &TABLE[usize::from(fault.number()) - 1];
+    let row = row(fault);
     assert_eq!(latches, row.latches() && reaction > Reaction::Note, "{fault} in {state}");
     if latches {
         clear(&mut test_rig, fault);
@@ -214,7 +219,7 @@ fn comes_to_rest(test_rig: &mut TestRig, fault: Fault) {
 
 /// A latched fault is not cleared while its condition is there, and by what its row says when it is over.
 fn clear(test_rig: &mut TestRig, fault: Fault) {
-    let row = &TABLE[usize::from(fault.number()) - 1];
+    let row = row(fault);
     // Found at the start alone, or as long as torque is on.
     let was_found_once = matches!(
         fault,
@@ -253,7 +258,7 @@ fn clear(test_rig: &mut TestRig, fault: Fault) {
 #[test]
 fn the_page_is_what_happens() {
     let ends = |fault: Fault, _: &[String]| {
-        let row = &TABLE[usize::from(fault.number()) - 1];
+        let row = row(fault);
         let latches = if row.latches() { "yes" } else { "no" };
         vec![latches.to_owned(), row.clears.to_string()]
     };

@@ -1,7 +1,7 @@
 //! A desk arm from power-on through a small show to rest.
 
 use sinew_firmware::controller::{Jog, Start};
-use sinew_firmware::supervisor::{Command, Fault, Feed, SOFT_MOST_RAD_S, Source, State};
+use sinew_firmware::supervisor::{Command, Fault, FaultSet, Feed, SOFT_MOST_RAD_S, Source, State};
 
 use super::swing::swing;
 use super::test_rig::{Kind, SERVOS, TestRig, figure};
@@ -31,7 +31,7 @@ pub(crate) fn perform(kind: Kind) -> Seen {
         test_rig.tick(command);
         assert!(test_rig.ended.is_ok(), "{:?}", test_rig.ended);
         let report = test_rig.controller.report();
-        assert!(report.raised.is_empty(), "{report:?}");
+        assert!(report.raised.minus(FaultSet::WARNINGS).is_empty(), "{report:?}");
         let (q, _) = test_rig.controller.commanded();
         for ((now, before), dof) in q.iter().zip(&before).zip(figure(kind).board.dofs()) {
             let now: f32 = *now;

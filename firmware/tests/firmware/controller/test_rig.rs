@@ -58,6 +58,8 @@ pub(crate) struct Planted {
     pub(crate) position_rad: Option<f32>,
     /// How far it is off, in every other tick each.
     pub(crate) off_rad: [f32; 2],
+    /// It swings by this either way, 16 times a second, with 0.3 A.
+    pub(crate) swing_rad: Option<f32>,
     pub(crate) current_a: Option<f32>,
     pub(crate) celsius: Option<f32>,
     pub(crate) volts: Option<f32>,
@@ -67,17 +69,20 @@ pub(crate) struct Planted {
     pub(crate) is_unknown: bool,
 }
 
+/// Ticks of half a swing: of 16 Hz, at 400 ticks a second.
+const SWING_TICKS: u32 = 12;
+
 /// A bus with something wrong.
 pub(crate) struct Bus {
     own: arm::Bus,
     pub(crate) planted: Planted,
-    is_odd_tick: bool,
+    ticks: u32,
 }
 
 impl From<arm::Bus> for Bus {
     /// Nothing is wrong yet.
     fn from(own: arm::Bus) -> Self {
-        Self { own, planted: Planted::default(), is_odd_tick: false }
+        Self { own, planted: Planted::default(), ticks: 0 }
     }
 }
 
@@ -93,7 +98,7 @@ impl ServoBus for Bus {
         self.own.command(servo, command)
     }
     fn plan(&mut self, out: &mut [u8]) -> Result<Request, EncodeError> {
-        self.is_odd_tick = !self.is_odd_tick;
+        self.ticks = self.ticks.wrapping_add(1);
         self.own.plan(out)
     }
     fn plan_more(&mut self, left_us: u32, out: &mut [u8]) -> Result<Option<Request>, EncodeError> {
@@ -110,11 +115,16 @@ impl ServoBus for Bus {
     }
     fn feedback(&self, servo: usize) -> Option<Feedback> {
         let read = self.own.feedback(servo)?;
-        let Planted { position_rad, off_rad, current_a, is_unknown, .. } = self.planted;
+        let Planted { position_rad, off_rad, swing_rad, current_a, is_unknown, .. } = self.planted;
         if servo > 0 {
             return Some(read);
         }
-        let off_rad = off_rad[usize::from(self.is_odd_tick)];
+        let mut off_rad = off_rad[usize::from(!self.ticks.is_multiple_of(2))];
+        let mut current_a = current_a;
+        if let Some(swing_rad) = swing_rad {
+            let sign = if (self.ticks / SWING_TICKS).is_multiple_of(2) { 1.0 } else { -1.0 };
+            (off_rad, current_a) = (sign * swing_rad, Some(-0.3 * sign));
+        }
         (!is_unknown).then_some(Feedback {
             position_rad: position_rad.unwrap_or(read.position_rad + off_rad),
             effort: current_a.map_or(read.effort, Effort::Current),

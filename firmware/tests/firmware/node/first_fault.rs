@@ -1,7 +1,10 @@
-//! A person clears faults: the next one is the first in flash, with its time, whatever it is and whatever waits.
+//! A person clears faults: the next one is the first in flash, with its time, whatever it is and whatever waits. A
+//! warning is none.
 
 use sinew_firmware::supervisor::{FaultRecord, State};
-use sinew_link::message::{Applied, Command, Outcome};
+use sinew_link::message::{
+    Applied, Command, FaultReport, Outcome, TelemetryParts, TelemetrySetting,
+};
 
 use super::line::Trouble;
 use super::stored::show;
@@ -89,4 +92,47 @@ fn of_two_in_a_tick_flash_has_the_same_first_as_the_supervisor() {
         [16, 10]
     );
     assert_eq!(kept(&mut world).0.fault, before.fault);
+}
+
+/// The log of the board, as a host reads it.
+fn read(world: &mut World, index: u16) -> (u16, Option<u8>) {
+    match world.ask(Command::ReadFault { index }) {
+        Outcome::Applied(Applied::Fault(FaultReport { count, record })) => {
+            (count, record.map(|record| record.fault))
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_warning_stands_behind_the_faults_until_they_are_cleared() {
+    let mut world = holding();
+    let plant = |world: &mut World, swing_rad| {
+        let (_, bus) = world.board.control.as_mut().unwrap();
+        bus.planted.swing_rad = swing_rad;
+    };
+    let telemetry = TelemetrySetting { rate_hz: 20.0, parts: TelemetryParts::SUMMARY };
+    world.ask(Command::SetTelemetry(telemetry));
+    plant(&mut world, Some(0.01));
+    world.run(1.0);
+    plant(&mut world, None);
+    let told = *world.host.faults.last().unwrap();
+    assert!(told.is_warning() && told.fault == 64 && told.servo == Some(0), "{told:?}");
+    // Telemetry says it as long as it is there, and the rig goes on.
+    world.run(0.1);
+    let summary = world.host.summaries.last().unwrap();
+    assert_eq!((summary.state.to_string(), summary.fault), ("holding".to_owned(), Some(64)));
+    assert_eq!(read(&mut world, 0), (1, Some(64)));
+    world.ask(Command::EStop);
+    world.run(0.1);
+    // The fault twice: as the first, and as the last.
+    let all: Vec<_> = (0..4).map(|index| read(&mut world, index)).collect();
+    assert_eq!(all, [(3, Some(16)), (3, Some(16)), (3, Some(64)), (3, None)]);
+    assert!(matches!(world.ask(Command::ClearFaults), Outcome::Applied(_)));
+    world.run(0.1);
+    assert_eq!(read(&mut world, 0).1, None);
+    // A start of the board forgets it, and has the fault.
+    assert!(world.restart());
+    let log = world.board.control.as_ref().unwrap().0.controller().supervisor().log();
+    assert_eq!(log.last().next().unwrap().fault.number(), 16);
 }

@@ -11,7 +11,7 @@ use sinew_firmware::supervisor::{Clears, Fault, Reaction, State, TABLE};
 use sinew_link::message::{Command, Feed, Kind as ItemKind, Operator, Outcome, Value};
 use sinew_servo_sim::fault::{Fault as Damage, FaultKind};
 
-use super::cell::{Tried, measure, must_be, of_page, table};
+use super::cell::{Tried, measure, must_be, of_page, row, table};
 use super::emulated::Emulated;
 use super::host::next_of_upload;
 use super::line::Trouble;
@@ -34,7 +34,7 @@ const ALL: &str = "SINEW_NODE_ALL";
 fn excuse(fault: Fault, state: State) -> Option<&'static str> {
     use Fault::{
         BrownOut, FollowingError, LinkLost, NotFinite, ServoStopped, SettingsBad, ShowBad,
-        ShowForeign, TorqueStuck, WatchdogReset,
+        ShowForeign, Swing, TorqueStuck, WatchdogReset,
     };
     match fault {
         NotFinite => Some("no byte says it"),
@@ -43,8 +43,8 @@ fn excuse(fault: Fault, state: State) -> Option<&'static str> {
         SettingsBad if state != State::Off => Some("at the start alone"),
         ServoStopped if !state.is_on() => Some("its watchdog rests"),
         TorqueStuck if state.is_on() => Some("torque is to be on"),
-        FollowingError if !state.is_on() => Some("nothing is followed"),
-        FollowingError if state == State::Lowering => Some("it sinks on purpose"),
+        FollowingError | Swing if !state.is_on() => Some("nothing is followed"),
+        FollowingError | Swing if state == State::Lowering => Some("it sinks on purpose"),
         LinkLost if state == State::Arming => Some("over after 1 s"),
         LinkLost if state == State::Playing => Some("link late holds it before"),
         _ => None,
@@ -56,7 +56,7 @@ fn why_it_differs(fault: Fault) -> Option<&'static str> {
     use Fault::{
         BrownOut, FollowingError, HotMeasured, HotWinding, LinkLate, LinkLost, NotFinite, Panic,
         Range, ServoError, ServoSilent, ServoStopped, SettingsBad, ShowBad, ShowForeign,
-        SupplyHigh, SupplyLow, TorqueStuck, WatchdogReset,
+        SupplyHigh, SupplyLow, Swing, TorqueStuck, WatchdogReset,
     };
     Some(match fault {
         LinkLate | LinkLost => "the host's last beat was some ticks before",
@@ -70,6 +70,7 @@ fn why_it_differs(fault: Fault) -> Option<&'static str> {
         ShowBad | ShowForeign => "the desk opens it first",
         WatchdogReset | BrownOut => "the machine has none",
         Panic => "the program stops itself in each state",
+        Swing => "it swings by whole steps, 25 times a second",
         ServoStopped | TorqueStuck => "its register is read in its turn",
         _ => return None,
     })
@@ -210,7 +211,7 @@ fn plant(world: &mut World, fault: Fault) {
     let lie = match fault {
         Fault::ServoError => Lie { alert: true, ..Lie::default() },
         Fault::HotMeasured => Lie { celsius: Some(66), ..Lie::default() },
-        Fault::HotWinding => Lie { milliamps: Some(i16::MAX), ..Lie::default() },
+        Fault::HotWinding => Lie { milliamps: Some([i16::MAX; 2]), ..Lie::default() },
         Fault::SupplyLow => Lie { decivolts: Some(30), ..Lie::default() },
         Fault::SupplyHigh => Lie { decivolts: Some(80), ..Lie::default() },
         // An encoder that stands, 30 deg nearer to its middle than it is; and one 166 deg from there.
@@ -226,6 +227,12 @@ fn plant(world: &mut World, fault: Fault) {
             } else {
                 stands
             }
+        }
+        Fault::Swing => {
+            let is = world.bench.servos()[0].get(PRESENT_POSITION);
+            let far = if world.state() == Some(State::Floating) { 30 } else { 8 };
+            let positions = Some([is - far, is + far]);
+            Lie { positions, milliamps: Some([300, -300]), ..Lie::default() }
         }
         Fault::Range => Lie { positions: Some([3938; 2]), ..Lie::default() },
         _ => world.told.lie,
@@ -272,7 +279,7 @@ fn cell(world: &mut World, fault: Fault, state: State) -> String {
         plant(world, fault);
         measure(world, fault, state).words(fault, state)
     };
-    let row = &TABLE[usize::from(fault.number()) - 1];
+    let row = row(fault);
     let latches = row.latches() && row.reaction(state) > Reaction::Note;
     assert_eq!(world.has(fault)[1], latches, "{fault} in {state}");
     mend(world);
@@ -351,7 +358,8 @@ fn is_the_page(emulated: fn() -> Option<Emulated>) {
     let cell = |fault: Fault, state: State| cells[&(fault.number(), state.number())].clone();
     let first = of_page(0);
     let ends = |fault: Fault, row: &[String]| {
-        let line = first[usize::from(fault.number()) + 1];
+        let place = TABLE.iter().position(|row| row.fault == fault).unwrap();
+        let line = first[place + 2];
         // Number and name stand before them.
         let same = line.trim_matches('|').split('|').skip(2).map(str::trim).take(row.len()).eq(row);
         let why = if same { Some("the same") } else { why_it_differs(fault) };

@@ -11,7 +11,7 @@ pub(crate) struct Lie {
     pub(crate) alert: bool,
     pub(crate) celsius: Option<u8>,
     pub(crate) decivolts: Option<u16>,
-    pub(crate) milliamps: Option<i16>,
+    pub(crate) milliamps: Option<[i16; 2]>,
     /// In some answers the one, in as many the other.
     pub(crate) positions: Option<[i32; 2]>,
 }
@@ -83,7 +83,7 @@ impl Lie {
         match (from, data) {
             (address::PRESENT_CURRENT, [c0, c1, _, _, _, _, position @ ..]) => {
                 if let Some(current) = self.milliamps {
-                    [*c0, *c1] = current.to_le_bytes();
+                    [*c0, *c1] = current[phase].to_le_bytes();
                 }
                 if let Some(positions) = self.positions {
                     position.copy_from_slice(&positions[phase].to_le_bytes());

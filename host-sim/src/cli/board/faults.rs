@@ -3,14 +3,14 @@
 use std::process::ExitCode;
 
 use sinew_host_util::command::print;
-use sinew_link::message::Command;
+use sinew_link::message::{Command, FaultRecord};
 
 use super::{BoardPort, remedy, text::fault_text};
 
 /// Print the faults that a board has stored, each with its remedy; or clear the faults.
 ///
 /// A board keeps its faults over a loss of power. The first one since they were cleared is printed first, then the
-/// others from the latest back. The exit code is 1 if there are any. docs/faults.md explains each fault.
+/// others from the latest back. The exit code is 1 if there are any but warnings. docs/faults.md explains each fault.
 #[derive(Debug, clap::Args)]
 pub(super) struct FaultsArgs {
     #[command(flatten)]
@@ -41,5 +41,6 @@ pub(super) fn run(args: &FaultsArgs) -> anyhow::Result<ExitCode> {
         print("cleared\n")?;
         return Ok(ExitCode::SUCCESS);
     }
-    Ok(if records.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    let is_well = records.iter().all(FaultRecord::is_warning);
+    Ok(if is_well { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

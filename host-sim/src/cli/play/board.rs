@@ -7,7 +7,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 use sinew_board_client::{Board, ClientError, Line};
 use sinew_host_util::command::note;
-use sinew_link::message::{Command, Feed, State, Summary, TelemetryParts};
+use sinew_link::message::{Command, FaultRecord, Feed, State, Summary, TelemetryParts};
 use sinew_performance::play::RigParts;
 use sinew_show::Show;
 
@@ -138,7 +138,7 @@ impl<L: Line> Performance<'_, L> {
                 self.phase = Phase::Stopping;
             }
             (Phase::Stopping, State::Limp | State::Off) => {
-                let is_well = self.board.log.faults.is_empty();
+                let is_well = self.board.log.faults.iter().all(FaultRecord::is_warning);
                 return Ok(Some(if is_well { ExitCode::SUCCESS } else { self.faulted() }));
             }
             _ => {}

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail};
-use sinew_firmware::supervisor::{Fault, Refused};
+use sinew_firmware::supervisor::{Fault, FaultSet, Refused};
 use sinew_host_util::command::{note, print};
 use sinew_performance::play::{Director, Ended, Memory, Recorder, RigParts, SimulatedRig, Tally};
 use sinew_performance::rig::LoadedRig;
@@ -66,6 +66,9 @@ impl Args {
             note(format_args!("wrote {}", of_record()));
         }
         print(&tally.table(&sim, director.raised()))?;
+        for warning in director.raised().and(FaultSet::WARNINGS).iter() {
+            note(format_args!("{warning}: {}; {}", warning.when(), warning.remedy()));
+        }
         Ok(match ended {
             Some(Ended::Done | Ended::Stopped) => ExitCode::SUCCESS,
             Some(Ended::Faults(faults)) => {

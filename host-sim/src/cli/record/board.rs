@@ -7,7 +7,7 @@ use anyhow::{bail, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use sinew_board_client::ClientError;
 use sinew_host_util::command::note;
-use sinew_link::message::{Command, Refusal, State, TelemetryParts};
+use sinew_link::message::{Command, FaultRecord, Refusal, State, TelemetryParts};
 use sinew_performance::play::RigParts;
 use sinew_performance::rig::LoadedRig;
 use sinew_performance::teach::{Mode, check_servos, rows};
@@ -150,7 +150,9 @@ impl TeachSession {
                 self.bar.suspend(|| note(format_args!("{state}")));
             }
         }
-        if state == Some(State::Faulted) || !self.board.log.faults.is_empty() {
+        if state == Some(State::Faulted)
+            || !self.board.log.faults.iter().all(FaultRecord::is_warning)
+        {
             tell_faults(&self.board);
             bail!("a fault has ended it");
         }

@@ -14,6 +14,8 @@ const takePose = (time, kind = "measured") => {
   // An error of so much is the colour's end, rad and m.
   const MOST = [10 * Math.PI / 180, 0.01];
   const sharesAt = (time) => RIG.dofs.map(({ slides }, index) => {
+    // A joint that shakes is not well, however near to its target.
+    if (codeAt(SWINGS[index], time) > 0) return 1;
     const error = between(COURSES.error[index], placeOf(time));
     return Number.isNaN(error) ? null : Math.abs(error) / MOST[slides ? 1 : 0];
   });

@@ -8,11 +8,17 @@ const KINDS = [
 ];
 
 // By joint and sample: what limits it, from 1 on, or 0.
-const LIMITED = SHOW.limited.map((codes) =>
-  codes === "" ? new Uint8Array(SHOW.count) : Uint8Array.from(atob(codes), (c) => c.charCodeAt(0)));
-const limiterAt = (joint, time) => {
+const unpacked = (codes) =>
+  codes === "" ? new Uint8Array(SHOW.count) : Uint8Array.from(atob(codes), (c) => c.charCodeAt(0));
+const LIMITED = SHOW.limited.map(unpacked);
+// Likewise: 1 where it swings.
+const SWINGS = SHOW.swings.map(unpacked);
+const codeAt = (codes, time) => {
   const [sample, share] = placeOf(time);
-  const code = LIMITED[joint][Math.min(sample + (share < 0.5 ? 0 : 1), SHOW.count - 1)];
+  return codes[Math.min(sample + (share < 0.5 ? 0 : 1), SHOW.count - 1)];
+};
+const limiterAt = (joint, time) => {
+  const code = codeAt(LIMITED[joint], time);
   return code === 0 ? null : SHOW.limiters[code - 1] ?? "a limit";
 };
 

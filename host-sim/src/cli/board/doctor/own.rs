@@ -3,11 +3,14 @@
 use std::time::Duration;
 
 use sinew_firmware::node::{RIG_SCHEMA, SETTINGS_SCHEMA, SHOW_SCHEMA};
-use sinew_link::message::{Cycles, Health, Item, Location, State, TelemetryParts, Version};
+use sinew_link::message::{
+    Cycles, FaultRecord, Health, Item, Location, State, TelemetryParts, Version,
+};
 use sinew_performance::play::RigParts;
 
 use super::findings::Findings;
 use super::findings::Verdict::{Doubtful, Ok as Well, Wrong};
+use crate::cli::board::text::fault_text;
 use crate::cli::board::{PortBoard, cycles, named, remedy};
 
 /// For so long it is listened to.
@@ -58,7 +61,14 @@ pub(super) fn look(
             health(board, parts, findings)?;
         }
     }
-    let faults = board.fault_log()?;
+    let (warnings, faults): (Vec<_>, Vec<_>) =
+        board.fault_log()?.into_iter().partition(FaultRecord::is_warning);
+    for warning in &warnings {
+        let servo = warning.servo.and_then(|servo| parts?.servos.get(usize::from(servo)));
+        let servo = servo.map_or_else(String::new, |servo| format!(" (`{}`)", servo.own.name));
+        let found = format!("{}{servo}", fault_text(warning));
+        findings.add(Doubtful, "log", &found, &remedy(warning.fault).unwrap_or_default());
+    }
     let names: Vec<String> = faults.iter().map(|record| named(record.fault)).collect();
     let found = if names.is_empty() { "none are kept".to_owned() } else { names.join("; ") };
     findings.expect(

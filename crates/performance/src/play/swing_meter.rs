@@ -1,0 +1,50 @@
+//! How far a joint shakes.
+
+use std::f64::consts::{SQRT_2, TAU};
+
+/// What is slower is no swing, Hz. The board's detector, which is to find no swing in any show, has a steeper filter.
+const CORNER_HZ: f64 = 8.0;
+/// Time constant of the mean square, s.
+const WINDOW_S: f64 = 0.5;
+
+/// Measures what alternates in a joint's error faster than about 8 Hz: behind two high-passes of one pole each, the
+/// largest mean square over about 0.5 s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SwingMeter {
+    corner: f64,
+    window: f64,
+    slow: [f64; 2],
+    mean_square: f64,
+    most: f64,
+}
+
+impl SwingMeter {
+    /// For so many errors a second.
+    pub fn new(rate_hz: f64) -> Self {
+        let part = |time_s: f64| 1.0 / rate_hz.mul_add(time_s, 1.0);
+        let (corner, window) = (part(1.0 / (TAU * CORNER_HZ)), part(WINDOW_S));
+        Self { corner, window, slow: [0.0; 2], mean_square: 0.0, most: 0.0 }
+    }
+
+    /// The next error, rad or m. What is not known leaves nothing behind.
+    pub fn note(&mut self, error: f64) {
+        if !error.is_finite() {
+            (self.slow, self.mean_square) = ([0.0; 2], 0.0);
+            return;
+        }
+        let mut rest = error;
+        for slow in &mut self.slow {
+            let before = *slow;
+            *slow += self.corner * (rest - before);
+            // In the middle of the tick: else its length would count.
+            rest -= 0.5 * (before + *slow);
+        }
+        self.mean_square += self.window * (rest * rest - self.mean_square);
+        self.most = self.most.max(self.mean_square);
+    }
+
+    /// How far a sine of the largest mean square goes from peak to peak, rad or m.
+    pub fn peak_to_peak(&self) -> f64 {
+        2.0 * SQRT_2 * self.most.sqrt()
+    }
+}
