@@ -86,13 +86,17 @@ impl<const N: usize> Desired<N> {
         dt_s: f32,
         latency: i32,
         (differences, velocity): (Differences, DesiredVelocity),
-        projection: Option<ManifoldProjection<N>>,
     ) {
         (self.differences, self.velocity) = (differences, velocity);
         (self.dt_s, self.latency) = (dt_s, latency);
-        self.projection = projection;
+        self.projection = None;
         self.kind = None;
         self.targets = JointTargets::rest(tree);
+    }
+
+    /// Sets the projection of poses, or none.
+    pub(super) fn set_projection(&mut self, projection: Option<ManifoldProjection<N>>) {
+        self.projection = projection;
     }
 
     pub(super) fn targets(&self) -> &JointTargets<N> {
@@ -135,8 +139,12 @@ impl<const N: usize> Desired<N> {
         frames: &mut impl FrameSource,
         index: i32,
     ) -> Result<(), InputError> {
-        self.projected.reset();
         (self.kind, self.newest, self.known) = (None, None, 0);
+        if frames.has_coordinates_alone() {
+            self.kind = Some(Kind::Coordinates);
+            return Ok(());
+        }
+        self.projected.reset();
         let kind = match frames.frame(self.met_by(index)) {
             Frame::Coordinates { .. } => Kind::Coordinates,
             Frame::Poses(_) => {
@@ -183,7 +191,10 @@ impl<const N: usize> Desired<N> {
         if self.kind.is_none() {
             self.begin(tree, frames, index)?;
         }
-        if self.kind == Some(Kind::Coordinates) {
+        if frames.has_coordinates_alone() && self.kind == Some(Kind::Poses) {
+            return Err(InputError::Kind);
+        }
+        if frames.has_coordinates_alone() || self.kind == Some(Kind::Coordinates) {
             return self.take_exactly(tree, frames.frame(self.met_by(index)));
         }
         let newest = self.newest_of(index);

@@ -77,11 +77,23 @@ pub trait FrameSource {
     /// The frame of that number. Negative ones lie before the performance: see [`extrapolate_before_start`]. Beyond the
     /// end, the last one is held.
     fn frame(&mut self, index: i32) -> Frame<'_>;
+
+    /// Whether all frames are [`Frame::Coordinates`]. A source that says so at compile time leaves all that poses need,
+    /// projection and differences, out of a board's image.
+    #[inline]
+    fn has_coordinates_alone(&self) -> bool {
+        false
+    }
 }
 
 impl<S: FrameSource + ?Sized> FrameSource for &mut S {
     fn frame(&mut self, index: i32) -> Frame<'_> {
         (**self).frame(index)
+    }
+
+    #[inline]
+    fn has_coordinates_alone(&self) -> bool {
+        (**self).has_coordinates_alone()
     }
 }
 

@@ -154,6 +154,24 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         settings: &Settings,
         timing: Timing,
     ) -> Result<(), TrackerError> {
+        self.init_for_coordinates(tree, settings, timing)?;
+        let projection = settings.effective(timing.dt_s).projection(tree)?;
+        self.desired.set_projection(projection);
+        Ok(())
+    }
+
+    /// Initializes in place for frames of the rig's own coordinates alone: they need no projection, so an image without
+    /// poses has none.
+    ///
+    /// # Errors
+    /// As [`Tracker::new`]: it must be initialized again then.
+    #[inline(never)]
+    pub fn init_for_coordinates(
+        &mut self,
+        tree: &Tree<N>,
+        settings: &Settings,
+        timing: Timing,
+    ) -> Result<(), TrackerError> {
         let Timing { dt_s, latency_ticks } = timing;
         timing.check()?;
         if settings.method == MethodName::Recommended {
@@ -165,10 +183,9 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         let latency_ticks = if effective.observer.predict { latency_ticks } else { 0 };
         let ahead = i32::try_from(latency_ticks).unwrap_or(i32::MAX);
         let differences = (effective.differences, effective.desired_velocity);
-        let projection = effective.projection(tree)?;
         let (observer, cancel) = (effective.observer(dt_s)?, effective.observer.cancel);
         self.estimate.init(tree, dt_s, observer, cancel, latency_ticks)?;
-        self.desired.init(tree, dt_s, ahead, differences, projection);
+        self.desired.init(tree, dt_s, ahead, differences);
         self.rest.init(dt_s);
         (self.supply, self.sharing) = (None, effective.sharing);
         Ok(())

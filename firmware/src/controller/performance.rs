@@ -74,7 +74,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
                 }
             }
         }
-        tracker.init(rig.tree(), &settings.tracker, timing).map_err(ControllerError::Tracker)?;
+        let (tree, settings) = (rig.tree(), &settings.tracker);
+        tracker.init_for_coordinates(tree, settings, timing).map_err(ControllerError::Tracker)?;
         self.fit_gears(servos).map_err(ControllerError::Tracker)
     }
 

@@ -75,4 +75,9 @@ impl<const DOFS: usize, const COORDS: usize> FrameSource for &Pose<DOFS, COORDS>
     fn frame(&mut self, _: i32) -> Frame<'_> {
         Frame::Coordinates { q: self.q(), qd: self.qd(), qdd: self.qdd() }
     }
+
+    #[inline]
+    fn has_coordinates_alone(&self) -> bool {
+        true
+    }
 }
