@@ -125,3 +125,98 @@ impl<const N: usize> Rest<N> {
 fn speed(velocity: Twist) -> f32 {
     math::length(velocity.angular) + SLIDE_RAD_M * math::length(velocity.linear)
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::tracker::{Frame, FrameSource, Measured, Settings, Timing, Tracker, TrackerError};
+    use crate::{Body, Inertia, JointKind, RotationalInertia, Transform, Tree};
+    use glam::Vec3;
+
+    const DT_S: f32 = 0.002;
+    const INERTIA_KG_M2: f32 = 0.01;
+    const ZONE_RAD: f32 = 0.005;
+
+    /// A hinge's target, and its speed.
+    struct Target([f32; 1], [f32; 1]);
+
+    impl FrameSource for Target {
+        fn frame(&mut self, _: i32) -> Frame<'_> {
+            Frame::Coordinates { q: &self.0, qd: &self.1, qdd: &[0.0] }
+        }
+    }
+
+    /// A tracker of a wheel about the vertical, without an observer.
+    fn tracker() -> Tracker<1> {
+        let wheel = Body {
+            parent: None,
+            joint: JointKind::Revolute { axis: Vec3::Y },
+            placement: Transform::IDENTITY,
+            inertia: Inertia {
+                mass_kg: 1.0,
+                center_of_mass_m: Vec3::ZERO,
+                rotational_kg_m2: RotationalInertia::diagonal(
+                    INERTIA_KG_M2,
+                    INERTIA_KG_M2,
+                    INERTIA_KG_M2,
+                ),
+            },
+            rotor_inertia: 0.0,
+        };
+        let tree = Tree::from_bodies(&[wheel]).unwrap();
+        let timing = Timing { dt_s: DT_S, latency_ticks: 0 };
+        let mut tracker = Tracker::new(tree, &Settings::default(), timing).unwrap();
+        tracker.set_rest(&[ZONE_RAD]).unwrap();
+        tracker
+    }
+
+    fn effort_nm(tracker: &mut Tracker<1>, target: &mut Target, at_rad: f32) -> f32 {
+        let mut efforts = [0.0];
+        let measured = Measured::Coordinates { q: &[at_rad], qd: &[0.0] };
+        tracker.step(target, 0, measured).unwrap().efforts(&mut efforts).unwrap();
+        efforts[0]
+    }
+
+    #[test]
+    fn an_error_counts_by_what_lies_beyond_the_zone_of_a_target_that_stands() {
+        for (off_rad, counts_rad) in [(0.004, 0.0), (0.02, 0.02 - ZONE_RAD)] {
+            let (mut tracker, mut target) = (tracker(), Target([off_rad], [0.0]));
+            let mut effort = effort_nm(&mut tracker, &mut target, 0.0);
+            for _ in 0..100 {
+                let next = effort_nm(&mut tracker, &mut target, 0.0);
+                // The zone opens over 50 ticks.
+                let most = INERTIA_KG_M2 * 200.0 * ZONE_RAD * (DT_S / super::OPENS_S);
+                assert!((next - effort).abs() < 1.01 * most, "{effort} became {next}");
+                effort = next;
+            }
+            assert!((effort - INERTIA_KG_M2 * 200.0 * counts_rad).abs() < 1e-6, "{effort}");
+        }
+    }
+
+    #[test]
+    fn a_target_that_moves_on_closes_the_zone_without_a_jump() {
+        let (mut tracker, mut target) = (tracker(), Target([0.004], [0.0]));
+        for _ in 0..100 {
+            effort_nm(&mut tracker, &mut target, 0.0);
+        }
+        // Of its speed, the first tick at it asks for a damping torque at once.
+        target.1 = [1.01 * super::STANDS_RAD_S];
+        let mut effort = effort_nm(&mut tracker, &mut target, 0.0);
+        for _ in 0..20 {
+            let next = effort_nm(&mut tracker, &mut target, 0.0);
+            let most = INERTIA_KG_M2 * 200.0 * ZONE_RAD * (DT_S / super::CLOSES_S);
+            assert!((next - effort).abs() < 1.01 * most, "{effort} became {next}");
+            effort = next;
+        }
+        let kd = 2.0 * crate::math::sqrt(200.0);
+        let whole = INERTIA_KG_M2 * (200.0 * 0.004 + kd * target.1[0]);
+        assert!((effort - whole).abs() < 1e-6, "{effort}");
+    }
+
+    #[test]
+    fn zones_that_cannot_be_are_refused() {
+        let mut tracker = tracker();
+        for bad in [&[][..], &[0.1, 0.1], &[-0.1], &[f32::NAN], &[f32::INFINITY]] {
+            assert_eq!(tracker.set_rest(bad), Err(TrackerError::Rest));
+        }
+    }
+}

@@ -386,3 +386,47 @@ proptest! {
         }
     }
 }
+
+/// Two slides fall alike; the one of the wider bandwidth has learnt it sooner.
+#[test]
+fn each_joint_has_its_own_bandwidth() {
+    let tree = rig(&[JointKind::Prismatic { axis: Vec3::X }; 2]);
+    let settings = ObserverSettings::extended_state(40.0, DT_S).unwrap();
+    let mut observer = Observer::<3, 1>::new(settings, &JointStates::rest(&tree), 0).unwrap();
+    observer.set_bandwidths(&[0.0, 120.0]).unwrap();
+    let mut alone = Observer::<3, 1>::new(settings, &JointStates::rest(&tree), 0).unwrap();
+    let fall = Twist::new(Vec3::ZERO, Vec3::X * 2.0);
+    let mut plant = Plant::new(&tree);
+    for _ in 0..25 {
+        plant.step(&tree, &[fall; 2]);
+        let poses: Vec<Transform> = plant.states.iter().map(|state| state.pose).collect();
+        for observer in [&mut observer, &mut alone] {
+            observer.record_commands(&[Twist::ZERO; 2], &[]);
+            observer.observe(&tree, &poses).unwrap();
+        }
+    }
+    // 0.05 s are 6 time constants of one, and 2 of the other.
+    let learnt = |observer: &Observer<3, 1>, joint: usize| observer.disturbances()[joint].linear.x;
+    assert!((learnt(&observer, 1) - 2.0).abs() < 0.1, "{}", learnt(&observer, 1));
+    assert!(learnt(&observer, 0) < 1.0, "{}", learnt(&observer, 0));
+    // A joint with 0 has the bandwidth of the settings.
+    assert_eq!(observer.disturbances()[0], alone.disturbances()[0]);
+}
+
+#[test]
+fn bandwidths_that_cannot_be_are_refused() {
+    let tree = slide();
+    let rest = JointStates::rest(&tree);
+    let settings = ObserverSettings::extended_state(40.0, DT_S).unwrap();
+    let mut observer = Observer::<3, 1>::new(settings, &rest, 0).unwrap();
+    let count = ObserverError::Joints { expected: 1, found: 2 };
+    assert_eq!(observer.set_bandwidths(&[40.0, 40.0]), Err(count));
+    for rad_s in [-1.0, 501.0, f32::INFINITY] {
+        assert_eq!(observer.set_bandwidths(&[rad_s]), Err(ObserverError::Bandwidth { rad_s }));
+    }
+    assert!(observer.set_bandwidths(&[f32::NAN]).is_err());
+    let settings = ObserverSettings::differences(DT_S).unwrap();
+    let mut observer = Observer::<3, 1>::new(settings, &rest, 0).unwrap();
+    assert!(observer.set_bandwidths(&[40.0]).is_err());
+    assert_eq!(observer.set_bandwidths(&[0.0]), Ok(()));
+}

@@ -501,3 +501,62 @@ fn a_latency_that_is_looked_ahead_over_asks_for_the_frame_that_a_torque_meets() 
         }
     }
 }
+
+/// The motion in coordinates, by a source that says so.
+struct Alone(InCoordinates);
+
+impl FrameSource for Alone {
+    fn frame(&mut self, index: i32) -> Frame<'_> {
+        self.0.frame(index)
+    }
+
+    fn has_coordinates_alone(&self) -> bool {
+        true
+    }
+}
+
+#[test]
+fn a_source_of_coordinates_alone_needs_no_projection() {
+    let timing = Timing { dt_s: DT_S, latency_ticks: 1 };
+    let mut whole = tracker(Settings::recommended(), 1);
+    let mut lean = Tracker::<JOINTS, 8>::uninit();
+    lean.init_for_coordinates(&arm(), &Settings::recommended(), timing).unwrap();
+    let mut frames = (InCoordinates::default(), Alone(InCoordinates::default()));
+    for tick in 0..10 {
+        let torques = whole.step(&mut frames.0, tick, &rest()).unwrap().torques().to_vec();
+        assert_eq!(lean.step(&mut frames.1, tick, &rest()).unwrap().torques(), torques);
+    }
+    // A tracker that has begun with poses takes coordinates only when it begins anew.
+    let mut of_poses = tracker(world(), 0);
+    of_poses.step(&mut AsPoses::default(), 0, &rest()).unwrap();
+    let refused = of_poses.step(&mut frames.1, 1, &rest()).unwrap_err();
+    assert_eq!(refused, StepError::Frame(InputError::Kind));
+}
+
+/// A rig that is held where it is, off its target.
+fn asked_nm(note: bool) -> Vec<f32> {
+    let settings = Settings {
+        observer: ObserverChoice { bandwidth_rad_s: 50.0, cancel: true, predict: true },
+        ..Settings::default()
+    };
+    let mut tracker = tracker(settings, 0);
+    let mut efforts = [0.0; JOINTS];
+    let of_tick = |tick: i32| {
+        tracker.step(&mut Still, tick, &rest()).unwrap().efforts(&mut efforts).unwrap();
+        if note && tick > 0 {
+            tracker.note_limited(1);
+        }
+        efforts[1]
+    };
+    (0..200).map(of_tick).collect()
+}
+
+#[test]
+fn a_drive_at_its_limit_is_asked_for_no_more() {
+    let [free, noted] = [false, true].map(asked_nm);
+    // Without a word of the limit, each tick asks for more.
+    assert!(free[199].abs() > 3.0 * free[1].abs(), "{} {}", free[1], free[199]);
+    // Neighbours that learn move the estimate's speeds a little.
+    let most = noted.iter().map(|effort| effort.abs()).fold(0.0, f32::max);
+    assert!(most < 1.2 * noted[1].abs(), "{} {most}", noted[1]);
+}
