@@ -10,7 +10,7 @@ const OLD: &str = include_str!("../../../../tests/support/rigs/arm_62ff7e0.toml"
 fn doubts(rig: &Description) -> Vec<String> {
     let mechanism = rig.mechanism().unwrap();
     let servos = Servos::of(rig, &mechanism).unwrap();
-    let control = Loop { rate_hz: 500.0, latency_ticks: 1 };
+    let control = Loop { rate_hz: 500.0, latency_ticks: 1, bandwidth_rad_s: None };
     let review = Review::of(&mechanism, &servos, control).unwrap();
     let doubtful = review.findings.into_iter().filter(|found| found.severity != Severity::Note);
     doubtful.map(|finding| finding.text).collect()
