@@ -104,8 +104,8 @@ fn a_position_drive_gives_target_and_offset_and_no_feedback() {
         let heavy = ShaftTarget { feedforward_nm: 0.5, ..target };
         let next = drive.command(&heavy, &at(0.0, 30.0));
         let Command::PositionAt { speed_rad_s, .. } = next.command else { panic!() };
-        // 1 rad/s, and a tenth.
-        assert!((speed_rad_s - 1.1).abs() < 1e-3, "{speed_rad_s}");
+        // 5 rad/s, and a tenth.
+        assert!((speed_rad_s - 5.5).abs() < 1e-3, "{speed_rad_s}");
         assert_eq!(
             next.limit,
             Some(if gain_ratio > 1.5 { Limit::OffsetRate } else { Limit::Offset })

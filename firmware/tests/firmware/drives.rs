@@ -68,7 +68,7 @@ fn is_within(rig: &Rig, servo: usize, command: Command) -> Result<(), TestCaseEr
         Command::PositionAt { position_rad, speed_rad_s } => {
             prop_assert!(in_range(position_rad), "{position_rad} rad");
             // The goal's own speed, the offset's, and a tenth.
-            let most = 1.1 * (own.speed_rad_s + 1.0) + 1e-2;
+            let most = 1.1 * (own.speed_rad_s + PositionSettings::default().offset_rad_s) + 1e-2;
             prop_assert!((0.0..=most).contains(&speed_rad_s), "{speed_rad_s} rad/s");
         }
         other => prop_assert!(false, "{other:?}"),

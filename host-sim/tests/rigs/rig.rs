@@ -184,7 +184,7 @@ fn rigs_to_start_from_pass_their_check() {
         "check",
         "arm.toml",
         "--bandwidth-rad-s",
-        "300",
+        "400",
         "--latency-ticks",
         "4",
         "--format",
