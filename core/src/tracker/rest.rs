@@ -85,8 +85,13 @@ impl<const N: usize> Rest<N> {
             if *radius <= 0.0 {
                 continue;
             }
-            let stands =
-                speed(target.velocity) < STANDS_RAD_S && speed(state.velocity) < GLIDES_RAD_S;
+            let slides = body.joint.slides();
+            let is_slower = |velocity: &Twist, than_rad_s: f32| {
+                let own = if slides { velocity.linear * SLIDE_RAD_M } else { velocity.angular };
+                own.dot(own) < than_rad_s * than_rad_s
+            };
+            let stands = is_slower(&target.velocity, STANDS_RAD_S)
+                && is_slower(&state.velocity, GLIDES_RAD_S);
             let was = open.min(1.0);
             *open = if stands {
                 (was + self.dt_s / OPENS_S).min(1.0)
@@ -97,7 +102,6 @@ impl<const N: usize> Rest<N> {
                 continue;
             }
             let zone = *radius * *open;
-            let slides = body.joint.slides();
             let off = if slides {
                 // A target's linear acceleration is a vector of the parent's frame, in the axes of the desired pose.
                 let way = target.pose.translation_m - state.pose.translation_m;
@@ -105,25 +109,21 @@ impl<const N: usize> Rest<N> {
             } else {
                 math::log(math::turn_in_body(state.pose.rotation, target.pose.rotation))
             };
-            let size = math::length(off);
-            let within = if size > zone { off * (zone / size) } else { off };
+            let squared = off.dot(off);
+            let is_within = squared <= zone * zone;
+            let within = if is_within { off } else { off * (zone / math::sqrt(squared)) };
             let mut against = Twist::ZERO;
             if slides {
                 against.linear = within * -gains.linear_kp();
             } else {
                 against.angular = within * -gains.kp();
             }
-            if size <= zone && *open >= 1.0 {
+            if is_within && *open >= 1.0 {
                 *open = WITHIN;
             }
             targets.add_acceleration(joint, against);
         }
     }
-}
-
-/// The size of a velocity, rad/s.
-fn speed(velocity: Twist) -> f32 {
-    math::length(velocity.angular) + SLIDE_RAD_M * math::length(velocity.linear)
 }
 
 #[cfg(test)]
