@@ -6,7 +6,7 @@ use super::run::Run;
 /// What is allowed beyond half the play and a step of the encoder, deg.
 const OFFSET_DEG: f64 = 0.3;
 
-/// Greatest numbers that are allowed.
+/// Greatest numbers that are allowed; none for what is not asked.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
     pub(super) peak_to_peak_deg: f64,
@@ -17,6 +17,10 @@ pub(super) struct Limits {
 /// With friction at both ends of the gear.
 pub(super) const SPLIT: Limits =
     Limits { peak_to_peak_deg: 0.3, speed_deg_s: 2.0, alternating_a: 0.05 };
+/// With all friction on the rotor.
+pub(super) const ON_ROTOR: Limits =
+    Limits { peak_to_peak_deg: 0.6, speed_deg_s: 3.0, alternating_a: f64::INFINITY };
+
 impl Run {
     /// What is not within the limits, by window and joint, in words; and the greatest of each number.
     pub(super) fn beyond(
