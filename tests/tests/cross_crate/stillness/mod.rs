@@ -9,4 +9,5 @@ mod measure;
 mod onset;
 mod push;
 mod robots;
+mod robustness;
 mod run;
