@@ -260,6 +260,12 @@ impl SimulatedRig<'_, RigPlant> {
         self.lines[0].servos.bench().plant.q().to_vec()
     }
 
+    /// The temperature of a servo's case, °C, finer than the servo tells it.
+    pub fn case_c(&self, servo: usize) -> f64 {
+        let place = self.parts.place_on_bench(servo);
+        self.lines[0].servos.bench().servos()[place].heat().case_c
+    }
+
     /// Returns each dof's true position less its commanded one, rad or m: no servo measures it.
     pub fn simulated_errors(&self) -> Vec<f32> {
         let q: Vec<f32> = self.q().into_iter().map(single).collect();
