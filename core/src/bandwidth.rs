@@ -7,8 +7,8 @@ use crate::math;
 /// Share of the gear's resonance that a loop's bandwidth may have.
 ///
 /// The loop takes a joint for rigid. Above the gear's resonance rotor and load turn against each other, so the loop's
-/// torque must be small there. Of 0.2, 0.3, 0.4 and 0.5, 0.3 is the largest with which a joint of the softest gears (XL330,
-/// MX-64) stays stable where the gear is half as stiff as its model says and has twice the play.
+/// torque must be small there. Of 0.2, 0.3, 0.4 and 0.5, 0.3 is the largest with which a joint of the softest gears
+/// (XL330, MX-64) stays stable where the gear is half as stiff as its model says and has twice the play.
 pub const RESONANCE_SHARE: f32 = 0.3;
 
 /// The widest bandwidth of any joint, rad/s. Beyond it an encoder of 12 bits is heard more than the joint.
@@ -63,11 +63,12 @@ impl Bandwidth {
         Self::of_loaded_gear(stiffness_nm_rad, rotor_inertia_kg_m2, f32::MAX, dt_s)
     }
 
-    /// Returns the bandwidth of a joint with a known load, kg m²: `0.3 √(K (1 / J_rotor + 1 / J_load))`, with the limits
-    /// of [`Self::of_gear`].
+    /// Returns the bandwidth of a joint with a known load, kg m²: `0.3 √(K (1 / J_rotor + 1 / J_load))`, with the
+    /// limits of [`Self::of_gear`].
     ///
-    /// A load that is lighter than the rotor counts as the rotor's inertia: while the rotor crosses the gear's play, the
-    /// joint's friction holds such a load. The greatest load that the joint has in any pose is the one to give. O(1).
+    /// A load that is lighter than the rotor counts as the rotor's inertia: while the rotor crosses the gear's play,
+    /// the joint's friction holds such a load. The greatest load that the joint has in any pose is the one to give.
+    /// O(1).
     ///
     /// # Errors
     /// [`BandwidthError`] if a value is not a finite number above 0.

@@ -201,12 +201,12 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     }
 
     /// Sets the rest zone of each joint: while its target is slower than [`STANDS_RAD_S`], an error of at most so many
-    /// rad (of slides, m) counts as none, and the observer learns nothing from it. 0 for none. Half the play of a joint's
-    /// gear and a step of its encoder is the radius within which its loop can only hunt. O(n).
+    /// rad (of slides, m) counts as none, and the observer learns nothing from it. 0 for none. Half the play of a
+    /// joint's gear and a step of its encoder is the radius within which its loop can only hunt. O(n).
     ///
     /// # Errors
-    /// [`TrackerError::Rest`], and nothing is changed, if there is not one for each joint, or one is not a finite number
-    /// from 0.
+    /// [`TrackerError::Rest`], and nothing is changed, if there is not one for each joint, or one is not a finite
+    /// number from 0.
     pub fn set_rest(&mut self, radii: &[f32]) -> Result<(), TrackerError> {
         let fits = radii.len() == self.controller.tree().len();
         // Written so that NaN fails.
@@ -359,8 +359,8 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         Ok(Tick { tracker: self })
     }
 
-    /// Notes that the drive of a dof could not give all that the last tick asked for: from the measurement that follows,
-    /// no disturbance is learnt that would ask for more. O(n).
+    /// Notes that the drive of a dof could not give all that the last tick asked for: from the measurement that
+    /// follows, no disturbance is learnt that would ask for more. O(n).
     pub fn note_limited(&mut self, dof: usize) {
         let mut first = dof;
         let bodies = self.controller.tree().bodies();

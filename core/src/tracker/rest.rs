@@ -21,8 +21,8 @@ const SLIDE_RAD_M: f32 = 10.0;
 ///
 /// An encoder behind a gear with play does not tell where in its play a joint is, and stiction holds a joint that is
 /// slightly off. A loop that corrects such an error hunts. So an error within a zone of half the play and a step of the
-/// encoder counts as none while the target stands, and the rest of a larger error is what lies beyond the zone. The zone
-/// opens and closes over several ticks: no command jumps.
+/// encoder counts as none while the target stands, and the rest of a larger error is what lies beyond the zone. The
+/// zone opens and closes over several ticks: no command jumps.
 #[derive(Debug)]
 pub(super) struct Rest<const N: usize> {
     dt_s: f32,

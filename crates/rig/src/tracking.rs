@@ -1,4 +1,5 @@
-//! What the gear of each servo allows its joint's loop: the observer's bandwidth, and the zone in which the joint rests.
+//! What the gear of each servo allows its joint's loop: the observer's bandwidth, and the zone in which the joint
+//! rests.
 
 use sinew_core::bandwidth::Bandwidth;
 use sinew_core::coordinates::CoordinatesError;

@@ -20,8 +20,8 @@ pub struct PositionSettings {
     /// The servo's P gain over that which its stiffness is known for, as it left the factory: it may be read from the
     /// servo.
     pub gain_ratio: f32,
-    /// Torque that a speed of the servo takes besides friction, N m s: the back-EMF of a motor at a voltage, which is its
-    /// torque at stall over its speed without load.
+    /// Torque that a speed of the servo takes besides friction, N m s: the back-EMF of a motor at a voltage, which is
+    /// its torque at stall over its speed without load.
     pub drag_nm_s: f32,
     /// The largest offset either way, rad. 0 for none.
     pub offset_rad: f32,
@@ -51,8 +51,9 @@ impl Default for PositionSettings {
     }
 }
 
-/// Position control by the servo itself: the target a tick ahead, within range, speed and acceleration, and an offset of
-/// the feed-forward effort, friction and back-EMF over the servo's own stiffness. A servo that holds `k` N m/rad sags by
+/// Position control by the servo itself: the target a tick ahead, within range, speed and acceleration, and an offset
+/// of the feed-forward effort, friction and back-EMF over the servo's own stiffness. A servo that holds `k` N m/rad
+/// sags by
 /// `effort / k`; sent as far beyond its target, it sags onto it.
 ///
 /// There is no feedback effort in it: see [the module](super). Without fresh readings, and where it is hot, the offset

@@ -40,7 +40,8 @@ pub(super) const OF_SERVO: [&str; 3] = ["current", "temperature", "voltage"];
 
 /// Writes a recording.
 ///
-/// Columns: `time_s`, `state`, `runs` (whether the show ran) and `faults` (those that came in the tick, and warnings); of each joint
+/// Columns: `time_s`, `state`, `runs` (whether the show ran) and `faults` (those that came in the tick, and warnings);
+/// of each joint
 /// `JOINT.commanded`, `.measured`, `.error` (rad, or m), `.effort` (N m, or N), `.limiter` and `.swings`; of each servo
 /// `SERVO.current` (A), `.temperature` (degC) and `.voltage` (V). What is not known is null. Joints are degrees of
 /// freedom; of a ball joint positions are the rotation vector's.

@@ -144,9 +144,9 @@ impl Gear {
 
     /// Solves a step, with the ends linked unless the windup is zero.
     ///
-    /// With h the step: (Jr/h + s + b + c) r - c q = Jr/h r0 + m - K u - f and (Jl/h + c) q - c r = Jl/h q0 + K u + e - g,
-    /// where K u + c (r - q) is the gear's torque; f and g stop the ends if they can, else oppose them. The matrix is
-    /// positive definite, so there is one solution: the shaft turns forwards, backwards, or stands.
+    /// With h the step: (Jr/h + s + b + c) r - c q = Jr/h r0 + m - K u - f and (Jl/h + c) q - c r = Jl/h q0 + K u + e -
+    /// g, where K u + c (r - q) is the gear's torque; f and g stop the ends if they can, else oppose them. The matrix
+    /// is positive definite, so there is one solution: the shaft turns forwards, backwards, or stands.
     fn solve(
         &self,
         dt_s: f64,

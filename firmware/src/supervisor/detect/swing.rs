@@ -1,7 +1,7 @@
 //! A joint that swings: its own loop shakes it.
 
-/// Below this a motion is no swing, Hz: three high-passes of one pole each. A show moves at less than 4 Hz, and what lags
-/// behind a fast one by 14 deg has 0.14 deg rms behind them, of 16 Hz a half is left.
+/// Below this a motion is no swing, Hz: three high-passes of one pole each. A show moves at less than 4 Hz, and what
+/// lags behind a fast one by 14 deg has 0.14 deg rms behind them, of 16 Hz a half is left.
 const CORNER_HZ: f32 = 12.0;
 /// Time constant of the mean squares, and of the gain that is lowered, s.
 const WINDOW_S: f32 = 0.5;

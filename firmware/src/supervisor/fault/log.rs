@@ -5,8 +5,8 @@ use core::mem;
 use super::FaultRecord;
 
 /// The first fault since faults were cleared, and the last `K`. A fault that comes again is counted, so that one which
-/// comes and goes pushes no other out; but never with one of before they were cleared, which belongs to another story. A
-/// warning is the first until a fault comes.
+/// comes and goes pushes no other out; but never with one of before they were cleared, which belongs to another story.
+/// A warning is the first until a fault comes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FaultLog<const K: usize> {

@@ -405,8 +405,8 @@ fn each_joint_has_its_own_bandwidth() {
             observer.observe(&tree, &poses).unwrap();
         }
     }
-    // 0.05 s are 6 time constants of one, and 2 of the other: 1 - e^-x (1 + x + x²/2) is learnt, three poles being equal,
-    // and a tick's share more, since the estimate is that of the tick's end.
+    // 0.05 s are 6 time constants of one, and 2 of the other: 1 - e^-x (1 + x + x²/2) is learnt, three poles being
+    // equal, and a tick's share more, since the estimate is that of the tick's end.
     let learnt = |observer: &Observer<3, 1>, joint: usize| observer.disturbances()[joint].linear.x;
     assert!((learnt(&observer, 1) - 2.0 * 0.938).abs() < 0.05, "{}", learnt(&observer, 1));
     assert!(learnt(&observer, 0) < 1.0, "{}", learnt(&observer, 0));

@@ -1,5 +1,5 @@
-//! Where a joint on a soft gear begins to swing: as computed from the poles of the linear loop, and as the core's tracker
-//! does it on the simulated gear.
+//! Where a joint on a soft gear begins to swing: as computed from the poles of the linear loop, and as the core's
+//! tracker does it on the simulated gear.
 
 use std::collections::VecDeque;
 
@@ -114,8 +114,8 @@ impl Case {
         (0.3 * joint.resonance_rad_s() * both.sqrt()).min(150.0)
     }
 
-    /// Whether a push grows, by the tracker and the simulated gear. Teeth without a load part in each swing, and have no
-    /// damping meanwhile: no linear model has that.
+    /// Whether a push grows, by the tracker and the simulated gear. Teeth without a load part in each swing, and have
+    /// no damping meanwhile: no linear model has that.
     #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
     fn swings(&self, bandwidth_rad_s: f64, torque_share: f64, is_loaded: bool) -> bool {
         let joint = self.joint();

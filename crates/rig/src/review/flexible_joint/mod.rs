@@ -2,8 +2,8 @@
 //!
 //! A rotor turns a load through a spring with a damper; the encoder sits at the load. Every tick the encoder is read,
 //! the observer estimates and looks ahead, and the torque for the wanted acceleration is held over a later tick. All of
-//! it is linear: no friction but viscous, no limits, no steps of the encoder. [`FlexibleJoint::with_play`] says how play
-//! enters.
+//! it is linear: no friction but viscous, no limits, no steps of the encoder. [`FlexibleJoint::with_play`] says how
+//! play enters.
 //!
 //! - `plant`: the joint, and its exact step over a time in which the torque is held.
 //! - `control`: the loop, and the whole of it as matrices.

@@ -28,9 +28,9 @@ impl FlexibleJoint {
 
     /// The same with a gear that swings with this amplitude of its windup, of which play takes `half_play` each way.
     ///
-    /// Its describing function: the fundamental of what a spring with play gives to a sine is a spring without play that
-    /// is softer, by `N = 1 - 2/π (asin r + r √(1 - r²))` with `r = half_play / amplitude`; nothing is left where the
-    /// swing stays within the play. The damper acts while the teeth touch, which leaves the same share of it.
+    /// Its describing function: the fundamental of what a spring with play gives to a sine is a spring without play
+    /// that is softer, by `N = 1 - 2/π (asin r + r √(1 - r²))` with `r = half_play / amplitude`; nothing is left where
+    /// the swing stays within the play. The damper acts while the teeth touch, which leaves the same share of it.
     #[must_use]
     pub fn with_play(self, half_play: f64, amplitude: f64) -> Self {
         let r = (half_play / amplitude).clamp(0.0, 1.0);
