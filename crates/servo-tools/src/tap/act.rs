@@ -20,11 +20,17 @@ const RAMP_PART: f64 = 0.005;
 const RAMP: Duration = Duration::from_millis(8);
 /// The most that it may take to creep, of its full torque.
 const MOST_CREEP: f64 = 0.6;
-/// It creeps for so long, and is read in the second half of that, before the tap.
-const CREEP: Duration = Duration::from_millis(60);
+/// It is read for so long before the tap.
 const BEFORE: Duration = Duration::from_millis(25);
+/// It speeds up by so much of its full torque meanwhile.
+const PRELOAD_PART: f64 = 0.1;
+/// Its own program measures no faster.
+const READING: Duration = Duration::from_micros(700);
 /// It comes back and stands.
-const SETTLE: Duration = Duration::from_millis(400);
+const SETTLE: Duration = Duration::from_millis(200);
+/// It stands when it moves by no more than a count for so long; it is waited for no longer than [`MOST_SETTLE`].
+const STANDS: Duration = Duration::from_millis(80);
+const MOST_SETTLE: Duration = Duration::from_secs(4);
 /// It goes back with so much more than gravity takes, of its full torque.
 const BACK_PART: f64 = 0.3;
 
@@ -47,6 +53,8 @@ pub(super) struct Plan {
     pub(super) strength: f64,
     /// What gravity takes, of the full torque.
     pub(super) gravity_part: f64,
+    /// How long it speeds up before the step, s.
+    pub(super) preload_s: f64,
     /// How long to read after the step, s.
     pub(super) window_s: f64,
     /// Factor on the gain of position.
@@ -204,14 +212,18 @@ impl Plan {
 }
 
 impl Registers {
-    /// Counts of a part of the full torque.
-    fn part(&self, part: f64) -> i32 {
-        let full = match self.limit.range {
+    /// Counts of the full torque.
+    fn full(&self) -> f64 {
+        match self.limit.range {
             Range::Between(_, most) => f64::from(most),
             _ => 885.0,
-        };
+        }
+    }
+
+    /// Counts of a part of the full torque.
+    fn part(&self, part: f64) -> i32 {
         #[expect(clippy::cast_possible_truncation, reason = "a part of some hundred counts")]
-        let counts = (part * full).round() as i32;
+        let counts = (part * self.full()).round() as i32;
         counts.clamp(1, self.most)
     }
 }
@@ -262,12 +274,20 @@ fn one<E: Exchange>(
         put(client, servo, &registers.limit, registers.part(part))?;
         client.pause(RAMP);
     }
-    client.pause(CREEP - BEFORE);
+    // It speeds up: so its teeth touch, whatever the play.
+    let mut step_to = |client: &mut Client<E>, more: f64| {
+        let before = registers.part(part);
+        part += more;
+        let after = registers.part(part);
+        put(client, servo, &registers.limit, after)?;
+        Ok::<_, ServiceError>((client.now(), f64::from(after - before) / registers.full()))
+    };
+    let preload = step_to(client, PRELOAD_PART)?;
+    client.pause(Duration::from_secs_f64(plan.preload_s).saturating_sub(BEFORE));
     let mut readings = Vec::new();
     let begin = client.now();
     read_until(client, servo, registers, begin + BEFORE, &mut readings)?;
-    put(client, servo, &registers.limit, registers.part(part + plan.strength))?;
-    let step = client.now();
+    let (step, more) = step_to(client, plan.strength)?;
     let end = step + Duration::from_secs_f64(plan.window_s);
     read_until(client, servo, registers, end, &mut readings)?;
     // Back, gently.
@@ -277,13 +297,36 @@ fn one<E: Exchange>(
         put(client, servo, gain, *shipped)?;
     }
     store(client, servo, &registers.goal, held)?;
-    client.pause(SETTLE);
+    settle(client, servo, registers)?;
     let count_rad = servo.table.rad_per_count();
+    let since = |at: Duration| at.as_secs_f64() - step.as_secs_f64();
+    let steps = vec![[since(preload.0), preload.1], [0.0, more]];
     let samples = readings.into_iter().map(|(at, counts)| {
-        let time_s = at.as_secs_f64() - step.as_secs_f64();
-        [time_s, f64::from(sign * (counts - held)) * count_rad]
+        [since(at), f64::from(sign * (counts - held)) * count_rad]
     });
-    Ok(Tap { samples: samples.collect() })
+    Ok(Tap { samples: samples.collect(), steps })
+}
+
+/// Waits until it stands.
+fn settle<E: Exchange>(
+    client: &mut Client<E>,
+    servo: &Servo,
+    registers: &Registers,
+) -> Result<(), ServiceError> {
+    client.pause(SETTLE);
+    let end = client.now() + MOST_SETTLE;
+    let mut ends = [client.read(servo, &registers.present)?; 2];
+    let mut since = client.now();
+    while client.now() < since + STANDS && client.now() < end {
+        client.pause(RAMP);
+        let now = client.read(servo, &registers.present)?;
+        ends = [ends[0].min(now), ends[1].max(now)];
+        if ends[1] - ends[0] > 1 {
+            ends = [now; 2];
+            since = client.now();
+        }
+    }
+    Ok(())
 }
 
 /// Reads its position as often as the line allows.
@@ -294,7 +337,12 @@ fn read_until<E: Exchange>(
     end: Duration,
     readings: &mut Vec<(Duration, i32)>,
 ) -> Result<(), ServiceError> {
+    let mut last: Option<Duration> = None;
     loop {
+        if let Some(gap) = last.and_then(|last| (last + READING).checked_sub(client.now())) {
+            client.pause(gap);
+        }
+        last = Some(client.now());
         let counts = client.read(servo, &registers.present)?;
         let now = client.now();
         readings.push((now, counts));

@@ -5,8 +5,10 @@ use super::response::{Joint, Response};
 /// One tap: where the shaft was, round a step of torque.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Tap {
-    /// Time since the step was sent, s, and position in the direction of the tap, rad.
+    /// Time since the tap was sent, s, and position in the direction of the tap, rad.
     pub samples: Vec<[f64; 2]>,
+    /// When steps of torque were sent, s, and by how much each, as parts of the full torque.
+    pub steps: Vec<[f64; 2]>,
 }
 
 /// What a fit came to.
@@ -24,12 +26,17 @@ pub struct Fitted {
 
 /// When a step may have come after it was sent, s: the packet, the servo's own tick, and the age of its readings.
 const DELAY_S: [f64; 2] = [-2e-3, 6e-3];
+/// How far the drag may be from what is believed, as a logarithm.
+const DRAG_SPREAD: f64 = 0.15;
 /// Factors on what is believed of stiffness and of damping, for a first look.
-const COARSE: [f64; 9] = [0.15, 0.25, 0.4, 0.63, 1.0, 1.6, 2.5, 4.0, 6.3];
+const COARSE: [f64; 5] = [0.2, 0.45, 1.0, 2.2, 5.0];
 
 /// Fits stiffness, damping and drag. `believed` has the inertias, and what is known of the rest.
 pub(super) fn fit(believed: &Joint, taps: &[Tap], count_rad: f64) -> Fitted {
-    let cost = |logs: [f64; 3]| cost(&joint(believed, logs), taps).0;
+    let cost = |logs: [f64; 3]| {
+        let off = logs[2] / DRAG_SPREAD;
+        cost(&joint(believed, logs), taps).0 + count_rad * count_rad / 12.0 * off * off
+    };
     let mut best = ([0.0; 3], f64::INFINITY);
     for stiffness in COARSE {
         for damping in COARSE {
@@ -47,7 +54,8 @@ pub(super) fn fit(believed: &Joint, taps: &[Tap], count_rad: f64) -> Fitted {
     let readings: usize = taps.iter().map(|tap| tap.samples.len()).sum();
     let free = (readings as f64 - 4.0 * taps.len() as f64 - 3.0).max(1.0);
     let variance = least / free;
-    let step_nm = steps_nm.iter().sum::<f64>() / steps_nm.len().max(1) as f64;
+    let tap_part = taps.first().and_then(|tap| tap.steps.last()).map_or(0.0, |step| step[1]);
+    let step_nm = tap_part * steps_nm.iter().sum::<f64>() / steps_nm.len().max(1) as f64;
     Fitted {
         joint: fitted,
         errors: errors(logs, least, variance, &cost),
@@ -68,7 +76,9 @@ fn joint(believed: &Joint, [stiffness, damping, drag]: [f64; 3]) -> Joint {
 /// Returns the sum of squares that is left, and each tap's step, N m.
 fn cost(joint: &Joint, taps: &[Tap]) -> (f64, Vec<f64>) {
     let last = |tap: &Tap| tap.samples.last().map_or(0.0, |[time, _]| *time);
-    let until_s = taps.iter().map(last).fold(0.0, f64::max) - DELAY_S[0];
+    let first = |tap: &Tap| tap.steps.first().map_or(0.0, |[time, _]| *time);
+    let until_s =
+        taps.iter().map(|tap| last(tap) - first(tap)).fold(0.0, f64::max) - DELAY_S[0];
     let response = joint.response(until_s);
     let mut sum = 0.0;
     let mut steps = Vec::new();
@@ -94,7 +104,7 @@ fn best_delay(tap: &Tap, response: &Response) -> (f64, f64) {
         delay_s += coarse_s;
     }
     let [mut low, mut high] = [best.1 - coarse_s, best.1 + coarse_s];
-    for _ in 0..9 {
+    for _ in 0..6 {
         let [a, b] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
         if at(a).0 < at(b).0 { high = b } else { low = a }
     }
@@ -108,8 +118,13 @@ fn one(tap: &Tap, response: &Response, delay_s: f64) -> (f64, f64) {
     let origin = tap.samples.first().map_or(0.0, |[_, position]| *position);
     for [time, position] in &tap.samples {
         let position = position - origin;
+        let wound: f64 = tap
+            .steps
+            .iter()
+            .map(|[at, part]| part * response.at(time - at - delay_s))
+            .sum();
         // Columns of about one size.
-        let row = [1.0, time * 50.0, response.at(time - delay_s) * 1e2];
+        let row = [1.0, time * 50.0, wound * 1e2];
         for (at, sums) in row.iter().zip(&mut matrix) {
             for (other, sum) in row.iter().chain([&position]).zip(sums.iter_mut()) {
                 *sum += at * other;
@@ -117,15 +132,15 @@ fn one(tap: &Tap, response: &Response, delay_s: f64) -> (f64, f64) {
         }
         square += position * position;
     }
-    let right = [matrix[0][3], matrix[1][3], matrix[2][3]];
+    let right = matrix.map(|row| row[3]);
     let Some(found) = solve(matrix) else { return (f64::INFINITY, 0.0) };
     let explained: f64 = found.iter().zip(right).map(|(x, b)| x * b).sum();
-    (square - explained, found[2] * 1e2)
+    ((square - explained).max(0.0), found[2] * 1e2)
 }
 
-/// Solves three equations by elimination.
-fn solve(mut matrix: [[f64; 4]; 3]) -> Option<[f64; 3]> {
-    for column in 0..3 {
+/// Solves equations by elimination; the last column is the right side.
+fn solve<const N: usize, const M: usize>(mut matrix: [[f64; M]; N]) -> Option<[f64; N]> {
+    for column in 0..N {
         let pivot = matrix[column];
         if pivot[column].abs() < 1e-300 {
             return None;
@@ -137,7 +152,7 @@ fn solve(mut matrix: [[f64; 4]; 3]) -> Option<[f64; 3]> {
             }
         }
     }
-    Some([0, 1, 2].map(|at| matrix[at][3] / matrix[at][at]))
+    Some(std::array::from_fn(|at| matrix[at][M - 1] / matrix[at][at]))
 }
 
 /// Standard errors of the first two logarithms, by the curvature of the cost.

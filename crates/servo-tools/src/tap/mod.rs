@@ -97,6 +97,7 @@ pub fn tap<E: Exchange>(
         direction,
         strength: settings.strength,
         gravity_part: settings.gravity_nm.abs() / stall_nm,
+        preload_s: (1.2 * 2.0 * PI / believed.ring_rad_s()).clamp(0.07, 0.15),
         // With the gain as shipped, so many times more to give all within a few degrees.
         window_s: (PERIODS * 2.0 * PI / believed.ring_rad_s()).clamp(0.03, 0.15),
         gain: (stall_nm / FULL_RAD / model.position_gain_nm_rad.value.max(1e-3)).max(1.0),
@@ -117,7 +118,7 @@ pub fn tap<E: Exchange>(
 }
 
 /// Periods of the believed ring that a tap lasts.
-const PERIODS: f64 = 1.6;
+const PERIODS: f64 = 2.0;
 /// Error of position at which a servo gives all it has, rad.
 const FULL_RAD: f64 = 0.12;
 
@@ -167,13 +168,14 @@ impl std::fmt::Display for Tapped {
         let percent = errors.map(|error| 100.0 * error);
         write!(
             f,
-            "stiffness {:.1} N m/rad (+- {:.1} %), damping {:.4} N m s (+- {:.1} %)\n\
+            "stiffness {:.1} N m/rad (+- {:.1} %), damping {:.4} N m s (+- {:.1} %), drag {:.4}\n\
              it rings with {:.1} Hz, at {:.2} of the critical damping; {} taps, {:.0} readings a second; \
              the ring is {ring_counts:.2} counts of the encoder, the noise {noise_counts:.2}",
             joint.stiffness_nm_rad,
             percent[0],
             joint.damping_nm_s,
             percent[1],
+            joint.drag_nm_s,
             joint.ring_rad_s() / (2.0 * PI),
             joint.damping_ratio(),
             self.taps,
