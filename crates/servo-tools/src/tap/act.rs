@@ -12,7 +12,7 @@ use crate::table::Role;
 use crate::{Client, Exchange, ServiceError, Servo, Table};
 
 /// Where its goal is while it creeps and is tapped, degrees from where it stood: it does not get there.
-pub(super) const GOAL_DEG: f64 = 25.0;
+pub(super) const GOAL_DEG: f64 = 35.0;
 /// It has begun to creep when it has moved by so many counts.
 const MOVES: i32 = 3;
 /// The limit of torque grows by so much every [`RAMP`] until it creeps.

@@ -27,7 +27,7 @@ pub struct Fitted {
 /// When a step may have come after it was sent, s: the packet, the servo's own tick, and the age of its readings.
 const DELAY_S: [f64; 2] = [-2e-3, 6e-3];
 /// How far the drag may be from what is believed, as a logarithm.
-const DRAG_SPREAD: f64 = 0.15;
+const DRAG_SPREAD: f64 = 0.05;
 /// Factors on what is believed of stiffness and of damping, for a first look.
 const COARSE: [f64; 5] = [0.2, 0.45, 1.0, 2.2, 5.0];
 

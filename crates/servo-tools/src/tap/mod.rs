@@ -61,8 +61,12 @@ pub struct Tapped {
 
 /// What is believed of a joint before it is tapped.
 pub fn believed(model: &ServoModel, load_kg_m2: f64) -> Joint {
-    let back_emf = model.voltage_v.value / model.no_load_speed_rad_s.value;
-    let resistance_ohm = model.voltage_v.value / model.stall_current_a.value;
+    // At no-load speed w the supply gives back-EMF k w and the current that friction f takes, f / k.
+    let [volts, speed] = [model.voltage_v.value, model.no_load_speed_rad_s.value];
+    let resistance_ohm = volts / model.stall_current_a.value;
+    let friction_nm = model.friction_nm.value + model.damping_nm_s.value * speed;
+    let square = (volts * volts - 4.0 * speed * resistance_ohm * friction_nm).max(0.0);
+    let back_emf = 0.5 * (volts + square.sqrt()) / speed;
     Joint {
         rotor_kg_m2: model.rotor_inertia_kg_m2.value,
         load_kg_m2,

@@ -66,7 +66,7 @@ fn found(kind: &'static str) {
         let truth = case.truth();
         let name =
             format!("{} load {} gravity {} {:?}", case.kind, case.load, case.gravity, case.changes);
-        let tapped = match case.tap(0.5, 60) {
+        let tapped = match case.tap(0.5, 50) {
             Ok(tapped) => tapped,
             Err(error) => {
                 println!("{name}: {error}");
