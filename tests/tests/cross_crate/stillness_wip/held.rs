@@ -1,0 +1,66 @@
+//! The starter arm, as it is and as it was, holds six poses.
+
+use rayon::prelude::*;
+use sinew_servo_sim::variation::Variation;
+
+use super::limits::{Limits, ON_ROTOR, SPLIT};
+use super::measure::Poses;
+use super::run::Rig;
+
+/// An arm on plants that differ from its file: each within its limits.
+fn holds(rig: &Rig, plants: &[(String, Variation, Limits)]) {
+    let poses = Poses::of_arm();
+    let runs: Vec<_> = plants
+        .par_iter()
+        .map(|(name, variation, limits)| {
+            let run = rig.play(&poses.motion, *variation, |_, _| {});
+            (name, run.beyond(&poses.windows_s, *limits))
+        })
+        .collect();
+    for (name, (_, worst)) in &runs {
+        println!("{name}: {worst:.3?}");
+    }
+    for (name, (beyond, _)) in &runs {
+        assert!(beyond.is_empty(), "{name}:\n{}", beyond.join("\n"));
+    }
+}
+
+/// As its kinds have it, heavier and lighter, and with as little damping as is known of no gear.
+fn plants(friction: &str, own: Variation, limits: Limits) -> [(String, Variation, Limits); 4] {
+    [
+        ("as it is", own),
+        ("masses 0.8", Variation { masses: 0.8, ..own }),
+        ("masses 1.2", Variation { masses: 1.2, ..own }),
+        ("a third of the damping", Variation { damping: 0.33, ..own }),
+    ]
+    .map(|(name, variation)| (format!("{friction}, {name}"), variation, limits))
+}
+
+fn split() -> [(String, Variation, Limits); 4] {
+    plants("split friction", Variation::default(), SPLIT)
+}
+
+fn on_rotor() -> [(String, Variation, Limits); 4] {
+    let variation = Variation { output_friction: Some(0.0), ..Variation::default() };
+    plants("friction on the rotor", variation, ON_ROTOR)
+}
+
+#[test]
+fn the_starter_arm_stands_still() {
+    holds(&Rig::new_arm(), &split());
+}
+
+#[test]
+fn the_old_starter_arm_stands_still() {
+    holds(&Rig::old_arm(), &split());
+}
+
+#[test]
+fn the_starter_arm_stands_still_with_friction_on_rotors_alone() {
+    holds(&Rig::new_arm(), &on_rotor());
+}
+
+#[test]
+fn the_old_starter_arm_stands_still_with_friction_on_rotors_alone() {
+    holds(&Rig::old_arm(), &on_rotor());
+}

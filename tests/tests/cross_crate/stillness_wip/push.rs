@@ -1,0 +1,69 @@
+//! The starter arm is pushed, and stands again.
+
+use sinew_retarget::feasibility::RigMotion;
+use sinew_servo_sim::variation::Variation;
+
+use super::measure::POSES_DEG;
+use super::run::Rig;
+
+/// When the first joint is pushed, s; then one after the other; and for how long.
+const FIRST_S: f64 = 3.0;
+const EVERY_S: f64 = 2.0;
+const PUSH_S: f64 = 0.2;
+/// So long after the push it stands.
+const SETTLED_S: f64 = 0.5;
+/// What is allowed beyond half the play and a step of the encoder, rad.
+const OFFSET_RAD: f64 = 0.3 * std::f64::consts::PI / 180.0;
+
+#[test]
+fn a_pushed_arm_stands_again_without_ringing() {
+    let rig = Rig::new_arm();
+    let pose: Vec<f64> = POSES_DEG[0].iter().map(|deg| deg.to_radians()).collect();
+    let motion = RigMotion { dt_s: 0.1, rows: vec![pose; 161] };
+    let begin_s = |dof: usize| FIRST_S + EVERY_S * dof as f64;
+    let mut pushed_nm = [0.0; 6];
+    let run = rig.play(&motion, Variation::default(), |sim, time_s| {
+        for (dof, pushed_nm) in pushed_nm.iter_mut().enumerate() {
+            let since_s = time_s - begin_s(dof);
+            if since_s >= 0.0 && *pushed_nm == 0.0 {
+                let asked_nm = f64::from(sim.report().dofs[dof].effort);
+                let most_nm = rig.model(dof).continuous_torque_nm.value;
+                *pushed_nm = 0.5 * (most_nm - asked_nm.abs());
+                assert!(*pushed_nm > 0.0);
+                // Down, where the joint carries already.
+                sim.push(dof, -pushed_nm.abs() * asked_nm.signum());
+            } else if since_s >= PUSH_S {
+                sim.push(dof, 0.0);
+            }
+        }
+    });
+    let mut bad = Vec::new();
+    for (dof, name) in run.names.iter().enumerate() {
+        let end_s = begin_s(dof) + PUSH_S;
+        let off = |window: [f64; 2]| -> Vec<f64> {
+            let samples = run.window(dof, window);
+            samples.iter().map(|sample| sample.measured - sample.commanded).collect()
+        };
+        let away = off([begin_s(dof), end_s]).into_iter().map(f64::abs).fold(0.0, f64::max);
+        let allowed = run.blind_rad[dof] + OFFSET_RAD;
+        let after = off([end_s + SETTLED_S, end_s + EVERY_S - PUSH_S]);
+        let left = after.into_iter().map(f64::abs).fold(0.0, f64::max);
+        // A turn back is a change of side, beyond what is allowed.
+        let mut sides: Vec<f64> = off([end_s, end_s + EVERY_S - PUSH_S])
+            .into_iter()
+            .filter(|off| off.abs() > allowed)
+            .map(f64::signum)
+            .collect();
+        sides.dedup();
+        let turns = sides.len().saturating_sub(1);
+        let [away, left, allowed] = [away, left, allowed].map(f64::to_degrees);
+        println!(
+            "{name}: {:.4} N m, {away:.2} deg away, {left:.3} left of {allowed:.3} allowed, {turns} turns back",
+            pushed_nm[dof]
+        );
+        if left > allowed || turns > 1 {
+            bad.push(name);
+        }
+    }
+    assert!(bad.is_empty(), "{bad:?}");
+}
