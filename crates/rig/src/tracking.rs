@@ -1,20 +1,16 @@
 //! What the gear of each servo allows its joint's loop: the observer's bandwidth, and the zone in which the joint
 //! rests.
 
+use sinew_core::TreeError;
 use sinew_core::bandwidth::Bandwidth;
 use sinew_core::coordinates::CoordinatesError;
-use sinew_core::dynamics::{OuterJoints, ReflectedInertia, reflected_inertia};
-use sinew_core::{JointStates, TreeError};
 
 use crate::actuation::JoinedDrive;
 use crate::description::{Description, DescriptionError};
 use crate::drive::DriveInputError;
 use crate::mechanism::{BODY_COUNT_MAX, Link, Mechanism};
 use crate::number::single;
-use crate::review::{along, spread};
-
-/// Poses in which the greatest load of a joint is looked for.
-const POSES: u32 = 64;
+use crate::review::inertia_ranges;
 
 /// What the gear of one servo allows its joint's loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -128,24 +124,10 @@ fn of_drive(
 /// The greatest inertia along each dof of each body, its rotors left out, with all joints beyond it held.
 fn greatest_loads(mechanism: &Mechanism) -> Result<Vec<Vec<f64>>, TrackingError> {
     let tree = mechanism.tree::<BODY_COUNT_MAX>()?;
-    let still = vec![0.0; tree.dof_count()];
-    let mut pose = JointStates::rest(&tree);
-    let dofs = |link: &Link| link.joint.kind().dof_count();
-    let mut greatest: Vec<Vec<f64>> =
-        mechanism.bodies.iter().map(|link| vec![0.0; dofs(link)]).collect();
-    for number in 0..POSES {
-        let q = if number == 0 { mechanism.home() } else { spread(mechanism, number) };
-        let q: Vec<f32> = q.into_iter().map(single).collect();
-        pose.set_coordinates(&tree, &q, &still)?;
-        let inertias = reflected_inertia(&tree, &pose, OuterJoints::Locked);
-        for ((link, inertia), greatest) in mechanism.bodies.iter().zip(&inertias).zip(&mut greatest)
-        {
-            let inertia: &ReflectedInertia = inertia;
-            for (axis, greatest) in greatest.iter_mut().enumerate() {
-                let load = along(inertia, link, axis) - link.rotor_inertia;
-                *greatest = greatest.max(load);
-            }
-        }
-    }
-    Ok(greatest)
+    let mut ranges = inertia_ranges(mechanism, &tree)?.into_iter();
+    let of_link = |link: &Link| {
+        let dofs = ranges.by_ref().take(link.joint.kind().dof_count());
+        dofs.map(|[_, most]| (most - link.rotor_inertia).max(0.0)).collect()
+    };
+    Ok(mechanism.bodies.iter().map(of_link).collect())
 }

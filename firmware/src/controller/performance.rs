@@ -76,12 +76,13 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         }
         let (tree, settings) = (rig.tree(), &settings.tracker);
         tracker.init_for_coordinates(tree, settings, timing).map_err(ControllerError::Tracker)?;
-        self.fit_gears(servos).map_err(ControllerError::Tracker)
+        let observes = settings.effective(timing.dt_s).observer.bandwidth_rad_s > 0.0;
+        self.fit_gears(servos, observes).map_err(ControllerError::Tracker)
     }
 
-    /// Sets what the gears of each joint allow: its observer's bandwidth, and its rest zone.
+    /// Sets what the gears of each joint allow: its observer's bandwidth, if the tracker observes, and its rest zone.
     #[inline(never)]
-    fn fit_gears(&mut self, servos: &[ServoSetup]) -> Result<(), TrackerError> {
+    fn fit_gears(&mut self, servos: &[ServoSetup], observes: bool) -> Result<(), TrackerError> {
         let bodies = self.rig.tree().bodies();
         let (mut bandwidths, mut rests) = ([0.0_f32; BODIES], [0.0_f32; BODIES]);
         for drive in self.rig.drives() {
@@ -110,8 +111,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
             }
         }
         let bandwidths = bandwidths.get(..bodies.len()).unwrap_or_default();
-        // An observer of differences has none, nor has a tracker without.
-        if bandwidths.iter().any(|bandwidth| *bandwidth > 0.0) {
+        // An observer of differences has no bandwidth, and not every tracker has an observer.
+        if observes {
             self.tracker.set_bandwidths(bandwidths)?;
         }
         self.tracker.set_rest(rests.get(..bodies.len()).unwrap_or_default())
@@ -237,12 +238,13 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
     ) -> Result<&[Option<ServoCommand>], NotFinite> {
         let Self { rig, tracker, drives, commands, out, .. } = self;
         drives.step(commands, conditions, out).map_err(|_| NotFinite)?;
-        for drive in rig.drives() {
-            let mut servos = drive.servos.iter().filter_map(|servo| out.get(usize::from(*servo)));
-            // Of heat it learns, or a joint would sag further with each tick of less current.
-            let limits = [Some(Limit::Torque), Some(Limit::Current), Some(Limit::Stale)];
-            if servos.any(|servo| servo.is_some_and(|servo| limits.contains(&servo.limit))) {
-                drive.dofs.iter().for_each(|dof| tracker.note_limited(usize::from(*dof)));
+        // Most ticks have none: they do without the pass over drives.
+        if out.iter().flatten().any(gives_its_most) {
+            for drive in rig.drives() {
+                let of_drive = drive.servos.iter().filter_map(|servo| out.get(usize::from(*servo)));
+                if of_drive.flatten().any(gives_its_most) {
+                    drive.dofs.iter().for_each(|dof| tracker.note_limited(usize::from(*dof)));
+                }
             }
         }
         for (index, servo) in out.iter_mut().enumerate() {
@@ -253,6 +255,12 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         }
         Ok(out)
     }
+}
+
+/// Whether a servo cannot give more. A hot one does not count: from heat the observer learns, or a joint would sag
+/// further with each tick of less current.
+fn gives_its_most(servo: &ServoCommand) -> bool {
+    matches!(servo.limit, Some(Limit::Torque | Limit::Current | Limit::Stale))
 }
 
 fn class(servos: &[ServoDrive], servo: u16) -> Option<Class> {

@@ -57,7 +57,7 @@ pub enum SnapshotPart {
 pub struct Summary {
     /// What the rig does.
     pub state: State,
-    /// Of the latched faults the one with the lowest number in `docs/faults.md`; without any a warning that is there.
+    /// The latched fault with the lowest number in `docs/faults.md`; if none is latched, a warning that is there.
     pub fault: Option<u8>,
     /// How far the pose is from the target; none if there is no target.
     pub errors: Option<Errors>,

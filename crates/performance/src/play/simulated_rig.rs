@@ -184,8 +184,8 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         })
     }
 
-    /// What limits a joint now, as tables, recordings and a board's telemetry count it: its effort, its first servo's
-    /// drive, or heat and supply; or else the guard.
+    /// Returns what limits a joint now, as tables, recordings and a board's telemetry count it: its effort, its first
+    /// servo's drive, or heat and supply; or else the guard.
     pub fn limiter(&self, dof: usize) -> Option<String> {
         let report = self.report();
         let servo = self.parts.first_servo[dof].map(|servo| &report.servos[servo]);

@@ -2,7 +2,8 @@
 
 use std::f64::consts::{SQRT_2, TAU};
 
-/// What is slower is no swing, Hz. The board's detector, which is to find no swing in any show, has a steeper filter.
+/// Corner of the high-pass, Hz: a slower motion is no swing. The board's detector has a steeper filter, since it must
+/// find no swing in any show.
 const CORNER_HZ: f64 = 8.0;
 /// Time constant of the mean square, s.
 const WINDOW_S: f64 = 0.5;

@@ -161,7 +161,7 @@ impl Tally {
         )
     }
 
-    /// Which joints swing.
+    /// Returns a line that names the joints that swing.
     fn warnings(&self, parts: &RigParts) -> String {
         let dofs = self.dofs.iter().zip(&parts.names);
         let joints: Vec<&str> =

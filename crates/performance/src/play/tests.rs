@@ -182,7 +182,7 @@ fn pulses_are_told_as_far_as_joints_go() {
     assert!(pulses_us.iter().any(|us| (us - 1500.0).abs() < 0.1), "{pulses_us:?}");
 }
 
-/// What an arm of six that stands for 6 s came to: its warnings, the mean of its errors, rad, and the table. `kp`: of
+/// Plays an arm of six that stands for 6 s. Returns its warnings, the mean of its errors, rad, and the table. `kp`: of
 /// its tracker. `bandwidth_rad_s`: of all observers; none: by the rule.
 fn stands(kp: f32, bandwidth_rad_s: Option<f32>, swing_gain: f32) -> (FaultSet, f64, String) {
     let rig = arm(6).unwrap();

@@ -83,7 +83,7 @@ fn row(joint: &Joint, told: &JointSummary) -> Markup {
                 td { (text::number(told.effort)) (unit) }
                 td { (known(told.current_a, text::number(told.current_a))) }
                 td { (known(told.celsius, format!("{:.0}", told.celsius))) }
-                td {
+                td class="unit" {
                     @let swing = text::change(joint.slides, told.swing.peak_to_peak());
                     @if told.is_swinging { b class="flag" { (swing) } } @else { (swing) }
                 }

@@ -76,7 +76,7 @@ pub(super) struct JointSummary {
     pub(super) celsius: f64,
     /// By what it was limited, in how many ticks.
     pub(super) limited: BTreeMap<String, usize>,
-    /// What of its error is faster than a show.
+    /// The part of its error that is faster than a show.
     pub(super) swing: SwingMeter,
     /// Whether the controller has found that it swings, at any time.
     pub(super) is_swinging: bool,

@@ -191,7 +191,7 @@ impl Search<'_> {
 
 /// A pose within the ranges; ball joints stay at home. Poses of different numbers are spread evenly (the fractions are
 /// those of a Kronecker sequence: no seed, the same everywhere).
-pub(crate) fn spread(mechanism: &Mechanism, number: u32) -> Vec<f64> {
+pub(super) fn spread(mechanism: &Mechanism, number: u32) -> Vec<f64> {
     // The golden ratio's fraction.
     const STEP: f64 = 0.618_033_988_749_894_9;
     let mut place = 0.0;

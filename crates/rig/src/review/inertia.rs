@@ -14,7 +14,7 @@ const POSES: u32 = 64;
 
 /// The least and the greatest inertia against each dof, all joints beyond held. A sample: the true extremes may be a
 /// little beyond. O(n) a pose.
-pub(super) fn ranges<const N: usize>(
+pub(crate) fn ranges<const N: usize>(
     mechanism: &Mechanism,
     tree: &Tree<N>,
 ) -> Result<Vec<[f64; 2]>, CoordinatesError> {

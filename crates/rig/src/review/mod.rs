@@ -25,8 +25,8 @@ use crate::number::single;
 pub use finding::KG_M2_PER_G_MM2;
 pub use flexible_joint::{ControlLoop, FlexibleJoint, Margins, Stability};
 pub use gain::largest_stable_angle;
-pub(crate) use gravity::spread;
 pub use gravity::{WorstLoad, holding_effort, worst_load};
+pub(crate) use inertia::ranges as inertia_ranges;
 pub use reach::reach_m;
 pub use results::{
     Capability, CurrentReview, DofReview, Finding, Loop, LoopReview, Review, Servos, Severity,
@@ -133,7 +133,7 @@ fn slides(link: &Link, axis: usize) -> bool {
 }
 
 /// Inertia along one dof, in the home pose.
-pub(crate) fn along(inertia: &ReflectedInertia, link: &Link, axis: usize) -> f64 {
+fn along(inertia: &ReflectedInertia, link: &Link, axis: usize) -> f64 {
     along_at(inertia, link, axis, &link.home)
 }
 

@@ -5,10 +5,10 @@
 const CORNER_HZ: f32 = 12.0;
 /// Time constant of the mean squares, and of the gain that is lowered, s.
 const WINDOW_S: f32 = 0.5;
-/// What swings is the joint's error, by so much rms behind the high-passes, rad or m: a sine of 0.8 deg peak to peak at
+/// Least error of a swing, rms behind the high-passes, rad or m: a sine of 0.8 deg peak to peak at
 /// 16 Hz. An encoder of 4,096 steps that wavers by one has a third of it.
 const LEAST_ERROR: f32 = 2.6e-3;
-/// And its servos swing it, with this part of the joint's most effort, rms.
+/// Least effort of a swing, rms, as a part of the joint's most: its servos swing it.
 const LEAST_SHARE: f32 = 0.03;
 /// Squares count up to so many times the least, so that a single jerk is no swing.
 const MOST: f32 = 2.0;
@@ -17,11 +17,11 @@ const CALM: f32 = 0.25;
 /// ... for so long, s.
 const CALM_S: f32 = 5.0;
 
-/// What the detectors of all joints of a rig have in common.
+/// Settings that the detectors of all joints of a rig share.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SwingSettings {
     dt_s: f32,
-    /// What a tick changes of a mean behind the corner, and of one over the window.
+    /// Part by which a tick changes a mean behind the corner, and one over the window.
     corner: f32,
     window: f32,
     low_gain: f32,
@@ -82,7 +82,7 @@ impl Swing {
     }
 }
 
-/// What alternates in a course, as a mean square.
+/// The alternating part of a course, as a mean square.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Alternating {
     slow: [f32; 3],

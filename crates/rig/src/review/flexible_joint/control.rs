@@ -13,7 +13,7 @@ pub struct ControlLoop {
     pub dt_s: f64,
     /// Ticks that a torque acts late, which the observer looks ahead over.
     pub latency_ticks: usize,
-    /// What it is later besides, which the observer does not know, s.
+    /// Delay that the observer does not know, s.
     pub late_s: f64,
     /// Bandwidth of the observer, rad/s.
     pub bandwidth_rad_s: f64,
@@ -23,7 +23,7 @@ pub struct ControlLoop {
     pub torque_share: f64,
 }
 
-/// What a loop computes with in a tick.
+/// Numbers that a loop computes with in a tick.
 #[derive(Debug, Clone, Copy)]
 struct Controller {
     dt_s: f64,
@@ -88,7 +88,8 @@ pub(super) struct OpenLoop {
     state: Matrix,
     /// State to what is asked for.
     asked: Vec<f64>,
-    /// What acts to state. A reading comes before what answers it: nothing goes straight through.
+    /// Effect of the input on the state. A reading comes before the torque that answers it: nothing goes straight
+    /// through.
     acting: Vec<f64>,
 }
 

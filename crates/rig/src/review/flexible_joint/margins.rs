@@ -15,7 +15,7 @@ const LEAST_RAD_S: f64 = 0.3;
 /// Halvings of an interval between two frequencies, or of a delay.
 const HALVINGS: usize = 24;
 
-/// What a loop that is stable bears, each by itself. Frequencies are where it would swing then.
+/// Margins of a stable loop, each by itself. Frequencies are those at which it would swing then.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Margins {
     /// Phase either way, deg.

@@ -20,13 +20,14 @@ pub struct FlexibleJoint {
 }
 
 impl FlexibleJoint {
-    /// The same with a gear of this share of its stiffness.
+    /// Returns the joint with a gear of this share of its stiffness.
     #[must_use]
     pub fn softened(self, share: f64) -> Self {
         Self { stiffness: self.stiffness * share, ..self }
     }
 
-    /// The same with a gear that swings with this amplitude of its windup, of which play takes `half_play` each way.
+    /// Returns the joint with a gear that swings with this amplitude of its windup; play takes `half_play` of it each
+    /// way.
     ///
     /// Its describing function: the fundamental of what a spring with play gives to a sine is a spring without play
     /// that is softer, by `N = 1 - 2/π (asin r + r √(1 - r²))` with `r = half_play / amplitude`; nothing is left where
