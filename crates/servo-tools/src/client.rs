@@ -98,6 +98,10 @@ impl<E: Exchange> Client<E> {
         self.line.pause(time);
     }
 
+    pub(crate) fn now(&mut self) -> Duration {
+        self.line.now()
+    }
+
     /// Asks once, until `enough` has come or the time is over: that of the bytes, the servo's delay, and `patience`.
     pub(crate) fn ask(
         &mut self,

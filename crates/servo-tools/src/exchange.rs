@@ -2,7 +2,8 @@
 
 use std::io;
 use std::ops::DerefMut;
-use std::time::Duration;
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
 
 /// A half-duplex line: bytes out, and what comes back. A serial port is one, a simulated line is another, and a board
 /// that passes packets on can be a third.
@@ -27,6 +28,12 @@ pub trait Exchange {
 
     /// Nobody talks for a while.
     fn pause(&mut self, time: Duration);
+
+    /// Returns the time on the line since some moment that stays the same. A simulated line has a time of its own.
+    fn now(&mut self) -> Duration {
+        static START: OnceLock<Instant> = OnceLock::new();
+        START.get_or_init(Instant::now).elapsed()
+    }
 }
 
 // A box or a mutable borrow of a line is a line.
@@ -49,5 +56,9 @@ where
 
     fn pause(&mut self, time: Duration) {
         (**self).pause(time);
+    }
+
+    fn now(&mut self) -> Duration {
+        (**self).now()
     }
 }

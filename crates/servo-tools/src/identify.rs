@@ -45,16 +45,7 @@ pub fn identify<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
 ) -> Result<Identified, ServiceError> {
-    let state = watch::look(client, servo)?;
-    if !state.errors.is_empty() {
-        let help = match servo.table {
-            Table::Dynamixel(_) => "`sinew servo reboot` clears it, once its cause is gone",
-            Table::Feetech(_) => {
-                "It clears itself when its cause is gone; an overload with the next goal"
-            }
-        };
-        return Err(ServiceError::Fault { id: servo.id, what: state.errors.join(", "), help });
-    }
+    let state = ensure_no_fault(client, servo)?;
     let was_on = torque_is_on(client, servo)?;
     ensure_it_stands_in_position_mode(client, servo, was_on)?;
     let goal = servo.table.role(Role::GoalPosition)?;
@@ -83,7 +74,26 @@ pub fn identify<E: Exchange>(
     })
 }
 
-fn ensure_it_stands_in_position_mode<E: Exchange>(
+/// Returns what it measures, unless it reports trouble.
+pub(crate) fn ensure_no_fault<E: Exchange>(
+    client: &mut Client<E>,
+    servo: &Servo,
+) -> Result<watch::State, ServiceError> {
+    let state = watch::look(client, servo)?;
+    if !state.errors.is_empty() {
+        let help = match servo.table {
+            Table::Dynamixel(_) => "`sinew servo reboot` clears it, once its cause is gone",
+            Table::Feetech(_) => {
+                "It clears itself when its cause is gone; an overload with the next goal"
+            }
+        };
+        return Err(ServiceError::Fault { id: servo.id, what: state.errors.join(", "), help });
+    }
+    Ok(state)
+}
+
+/// Refuses to move a servo by an angle where it is in no such mode, or is on its way.
+pub(crate) fn ensure_it_stands_in_position_mode<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
     was_on: bool,
@@ -211,7 +221,8 @@ fn share(limit: &Item) -> i32 {
     share
 }
 
-fn set_all<E: Exchange>(
+/// Writes all of them, also where one fails; gives the first failure.
+pub(crate) fn set_all<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
     values: &[(Item, i32)],

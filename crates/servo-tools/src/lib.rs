@@ -71,6 +71,7 @@ mod scan;
 mod servo;
 mod store;
 mod table;
+pub mod tap;
 pub mod watch;
 
 pub use client::{Client, Settings};

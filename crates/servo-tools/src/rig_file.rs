@@ -45,9 +45,70 @@ pub fn edited(text: &str, changes: &[ServoChange]) -> Result<String, ServiceErro
     Ok(text)
 }
 
+/// The text with another stiffness (N m/rad) and damping (N m s) of the gears of a kind. A kind that is built in comes
+/// into the file as a whole, with its sources.
+///
+/// # Errors
+/// [`ServiceError::Rig`] if the text is no rig, before or after, or there is no such kind.
+pub fn with_gear(
+    text: &str,
+    kind: &str,
+    [stiffness, damping]: [f64; 2],
+    source: &str,
+) -> Result<String, ServiceError> {
+    let refused = |what: String| ServiceError::Rig { name: kind.to_owned(), what };
+    let rig = sinew_rig::toml_file::read(text).map_err(|error| refused(error.to_string()))?;
+    let mut document: DocumentMut =
+        text.parse().map_err(|error: toml_edit::TomlError| refused(error.to_string()))?;
+    if !rig.servo_models.iter().any(|model| model.name == kind) {
+        let model = rig
+            .servo_model(kind)
+            .ok_or_else(|| refused("there is no such kind of servo".to_owned()))?;
+        let mut table = toml_edit::Table::new();
+        table.insert("name", toml_edit::value(kind));
+        for (key, value) in model.values() {
+            table.insert(key, sourced(value.value, &value.source));
+        }
+        let models = document
+            .entry("servo_model")
+            .or_insert_with(|| Item::ArrayOfTables(toml_edit::ArrayOfTables::new()));
+        let models = models
+            .as_array_of_tables_mut()
+            .ok_or_else(|| refused("expected `[[servo_model]]` tables".to_owned()))?;
+        models.push(table);
+    }
+    let table = named(&mut document, "servo_model", kind)
+        .ok_or_else(|| refused("the rig file has no such kind of servo".to_owned()))?;
+    table.insert("gear_stiffness_nm_rad", sourced(four_digits(stiffness), source));
+    table.insert("gear_damping_nm_s", sourced(four_digits(damping), source));
+    let text = document.to_string();
+    sinew_rig::toml_file::read(&text).map_err(|error| refused(error.to_string()))?;
+    Ok(text)
+}
+
+fn sourced(value: f64, source: &str) -> Item {
+    let mut table = toml_edit::InlineTable::new();
+    table.insert("value", value.into());
+    table.insert("source", source.into());
+    toml_edit::value(table)
+}
+
+/// A tap test knows no more.
+fn four_digits(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}
+
 fn servo<'d>(document: &'d mut DocumentMut, name: &str) -> Option<&'d mut dyn TableLike> {
+    named(document, "servo", name)
+}
+
+fn named<'d>(
+    document: &'d mut DocumentMut,
+    key: &str,
+    name: &str,
+) -> Option<&'d mut dyn TableLike> {
     let is = |table: &dyn TableLike| table.get("name").and_then(Item::as_str) == Some(name);
-    match document.get_mut("servo")? {
+    match document.get_mut(key)? {
         Item::ArrayOfTables(tables) => {
             tables.iter_mut().find(|table| is(*table)).map(|table| table as &mut dyn TableLike)
         }
@@ -142,6 +203,28 @@ direction = -1
         let text = edited(&text, &[change()]).unwrap();
         let rig = sinew_rig::toml_file::read(&text).unwrap();
         assert_eq!(rig.servos[0].offset_rad, Some((-12.34_f64).to_radians()));
+    }
+
+    #[test]
+    fn a_gear_that_was_measured_has_its_source() {
+        let source = "tap test, 2026-11-28";
+        let text = with_gear(RIG, "STS3215-7.4V", [98.765_432, 0.5], source).unwrap();
+        assert!(text.starts_with(RIG), "{text}");
+        let before = sinew_rig::description::ServoModel::built_in("STS3215-7.4V").unwrap();
+        let value = |value| {
+            Some(sinew_rig::description::SourcedValue { value, source: source.to_owned() })
+        };
+        let expected = sinew_rig::description::ServoModel {
+            gear_stiffness_nm_rad: value(98.77),
+            gear_damping_nm_s: value(0.5),
+            ..before
+        };
+        let rig = sinew_rig::toml_file::read(&text).unwrap();
+        assert_eq!(rig.servo_models, [expected]);
+        // Again: the two values alone change.
+        let again = with_gear(&text, "STS3215-7.4V", [50.0, 0.5], source).unwrap();
+        assert_eq!(again, text.replace("98.77", "50.0"));
+        assert!(with_gear(RIG, "XYZ", [1.0; 2], source).is_err());
     }
 
     #[test]

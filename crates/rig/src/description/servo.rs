@@ -136,6 +136,16 @@ impl ServoModel {
         0.5 * self.backlash_rad.value
     }
 
+    /// Returns all values that the kind has, each with its key.
+    pub fn values(&self) -> Vec<(&'static str, SourcedValue)> {
+        let mut copy = self.clone();
+        let needed: Vec<_> =
+            copy.values_mut().into_iter().map(|(key, value)| (key, value.clone())).collect();
+        let optional = copy.optional_values_mut();
+        let given = optional.into_iter().filter_map(|(key, value)| Some((key, value.clone()?)));
+        needed.into_iter().chain(given).collect()
+    }
+
     /// Returns the values that a kind may leave out, each with its key.
     pub(crate) fn optional_values_mut(&mut self) -> [(&'static str, &mut Option<SourcedValue>); 3] {
         [

@@ -4,3 +4,4 @@ mod common;
 mod port;
 mod rigs;
 mod servos;
+mod tap;

@@ -7,6 +7,7 @@ mod one;
 mod registers;
 mod rig;
 mod scan;
+mod tap;
 mod watch;
 
 use std::process::ExitCode;
@@ -47,6 +48,7 @@ enum Command {
     Diff(rig::DiffArgs),
     Apply(rig::ApplyArgs),
     Calibrate(calibrate::CalibrateArgs),
+    Tap(tap::TapArgs),
     #[cfg(unix)]
     Simulate(servos::ServosArgs),
 }
@@ -80,6 +82,7 @@ fn on_line(args: &ServoArgs) -> anyhow::Result<ExitCode> {
         Command::Diff(args) => rig::diff(line, args),
         Command::Apply(args) => rig::apply(line, args),
         Command::Calibrate(args) => calibrate::run(line, args),
+        Command::Tap(args) => tap::run(line, args),
         #[cfg(unix)]
         Command::Simulate(args) => servos::run(args),
     }

@@ -108,6 +108,10 @@ impl Exchange for SimLine {
     fn pause(&mut self, time: Duration) {
         self.bench.run_us(u32::try_from(time.as_micros()).unwrap());
     }
+
+    fn now(&mut self) -> Duration {
+        Duration::from_secs_f64(self.bench.time_s())
+    }
 }
 
 /// A client at the factory's rate of the first servo.
