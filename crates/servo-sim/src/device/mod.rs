@@ -53,6 +53,7 @@ pub struct Servo<'m> {
     starts_in_s: f64,
     steps_per_tick: u32,
     steps: u32,
+    gear_steps: u32,
     is_published: bool,
     lost_w: [f64; 2],
     /// Added to what its encoder reads, rad: a fault.
@@ -109,6 +110,7 @@ impl<'m> Servo<'m> {
             starts_in_s: 0.0,
             steps_per_tick: steps,
             steps: 0,
+            gear_steps: 1,
             is_published: false,
             lost_w: [0.0; 2],
             encoder_jump_rad: 0.0,
@@ -215,6 +217,13 @@ impl<'m> Servo<'m> {
         &mut self.gear
     }
 
+    /// Lets its gear take this many steps, at least 1, in one of the servo's: for tests of how a gear rings. A step of
+    /// length h damps the ring of a stiffness K as K h would: in one step, as shipped, an XM430's 0.225 N m s act as
+    /// 0.284.
+    pub fn refine_gear(&mut self, steps: u32) {
+        self.gear_steps = steps.max(1);
+    }
+
     /// Its temperatures.
     pub fn heat(&self) -> &Heat {
         &self.heat
@@ -309,9 +318,11 @@ impl<'m> Servo<'m> {
         }
         self.steps -= 1;
         let ratio = self.heat.resistance_ratio();
-        let speed = self.gear.rotor.velocity_rad_s;
-        let motor = self.motor.characteristic(self.power, supply_v, speed, ratio);
-        self.gear.step(STEP_S, motor, load);
+        for _ in 0..self.gear_steps {
+            let speed = self.gear.rotor.velocity_rad_s;
+            let motor = self.motor.characteristic(self.power, supply_v, speed, ratio);
+            self.gear.step(STEP_S / f64::from(self.gear_steps), motor, load);
+        }
         let flow = self.gear.flow();
         let speed = self.gear.rotor.velocity_rad_s;
         let (draw, winding_w) = self.motor.settle(flow.motor_nm, speed, supply_v, ratio);

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use sinew_servo_bus::table::{Item, Range};
 
+use super::clock::Clock;
 use super::fit::Tap;
 use crate::identify::{ensure_it_stands_in_position_mode, ensure_no_fault, set_all};
 use crate::quantity::Scale;
@@ -11,21 +12,15 @@ use crate::store::{set_torque, store, torque_is_on};
 use crate::table::Role;
 use crate::{Client, Exchange, ServiceError, Servo, Table};
 
-/// Where its goal is while it creeps and is tapped, degrees from where it stood: it does not get there.
-pub(super) const GOAL_DEG: f64 = 35.0;
 /// It has begun to creep when it has moved by so many counts.
 const MOVES: i32 = 3;
 /// The limit of torque grows by so much every [`RAMP`] until it creeps.
 const RAMP_PART: f64 = 0.005;
 const RAMP: Duration = Duration::from_millis(8);
-/// The most that it may take to creep, of its full torque.
-const MOST_CREEP: f64 = 0.6;
-/// It is read for so long before the tap.
-const BEFORE: Duration = Duration::from_millis(25);
-/// It speeds up by so much of its full torque meanwhile.
-const PRELOAD_PART: f64 = 0.1;
-/// Its own program measures no faster.
-const READING: Duration = Duration::from_micros(700);
+/// The most that friction may take, of its full torque.
+const MOST_CREEP: f64 = 0.4;
+/// It brakes no longer than this, at a torque as large as the tap's.
+const MOST_BRAKE: Duration = Duration::from_millis(400);
 /// It comes back and stands.
 const SETTLE: Duration = Duration::from_millis(200);
 /// It stands when it moves by no more than a count for so long; it is waited for no longer than [`MOST_SETTLE`].
@@ -36,7 +31,7 @@ const BACK_PART: f64 = 0.3;
 
 /// Which way to tap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Direction {
+pub(super) enum Direction {
     /// Towards larger positions.
     Up,
     /// Towards smaller ones.
@@ -46,19 +41,35 @@ pub enum Direction {
 }
 
 /// How to tap.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Plan {
     pub(super) taps: u32,
     pub(super) direction: Direction,
     /// Step, of the full torque.
     pub(super) strength: f64,
+    /// It speeds up by so much of its full torque before.
+    pub(super) preload: f64,
     /// What gravity takes, of the full torque.
     pub(super) gravity_part: f64,
     /// How long it speeds up before the step, s.
     pub(super) preload_s: f64,
+    /// How long to read before the step, s.
+    pub(super) before_s: f64,
     /// How long to read after the step, s.
     pub(super) window_s: f64,
     /// Factor on the gain of position.
     pub(super) gain: f64,
+    /// How far away its goal is meanwhile, rad: it does not get there.
+    pub(super) way_rad: f64,
+    /// Current of its full torque, A.
+    pub(super) full_a: f64,
+}
+
+/// What came of tapping.
+pub(super) struct Recorded {
+    pub(super) taps: Vec<Tap>,
+    /// How far it was from where it stood, rad.
+    pub(super) farthest_rad: f64,
 }
 
 /// Registers that a tap needs.
@@ -69,57 +80,86 @@ struct Registers {
     most: i32,
     /// Gain of position, as it is and as it is while tapped; none where it stays.
     gain: Option<(Item, [i32; 2])>,
+    clock: Clock,
 }
 
-/// Taps, and gives what was read.
+/// Taps, and gives what was read. Afterwards the servo is as before, as far as it still answers.
 pub(super) fn record<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
     plan: &Plan,
     goes_on: &mut dyn FnMut(u32) -> bool,
-) -> Result<Vec<Tap>, ServiceError> {
+) -> Result<Recorded, ServiceError> {
     ensure_no_fault(client, servo)?;
     let was_on = torque_is_on(client, servo)?;
     ensure_it_stands_in_position_mode(client, servo, was_on)?;
     let registers = registers(client, servo, plan)?;
+    ensure_strength(client, servo, &registers, plan)?;
     let held = client.read(servo, if was_on { &registers.goal } else { &registers.present })?;
     ensure_room(client, servo, plan, held)?;
     let settings = settings(client, servo, &registers, plan)?;
     let mut before = Vec::new();
-    for (item, _) in &settings {
+    // The limit of torque, the first that is lowered, is the last that is as before.
+    for (item, _) in settings.iter().rev() {
         before.push((*item, client.read(servo, item)?));
     }
     if let Some((gain, [shipped, _])) = registers.gain {
-        before.push((gain, shipped));
+        before.insert(0, (gain, shipped));
     }
     let recorded = set_all(client, servo, &settings).and_then(|()| {
         store(client, servo, &registers.goal, held)?;
         if !was_on {
             set_torque(client, servo, true)?;
         }
-        let mut taps = Vec::new();
-        for index in 0..plan.taps {
-            if !goes_on(index) {
-                let what = "the test was ended; it stands as before".to_owned();
-                return Err(ServiceError::State { id: servo.id, what });
-            }
-            let is_up = match plan.direction {
-                Direction::Up => true,
-                Direction::Down => false,
-                Direction::Both => index % 2 == 0,
-            };
-            taps.push(one(client, servo, &registers, plan, held, if is_up { 1 } else { -1 })?);
+        taps(client, servo, &registers, plan, held, goes_on)
+    });
+    let restored = restore(client, servo, &registers.goal, held, was_on, &before);
+    let recorded = recorded?;
+    restored?;
+    Ok(recorded)
+}
+
+/// Puts all back, whatever fails on the way. A servo that does not take its goal would go on to where the tap sent it,
+/// and with all of its torque: so it is limp then, even if it held something before.
+fn restore<E: Exchange>(
+    client: &mut Client<E>,
+    servo: &Servo,
+    goal: &Item,
+    held: i32,
+    was_on: bool,
+    before: &[(Item, i32)],
+) -> Result<(), ServiceError> {
+    let held = store(client, servo, goal, held);
+    let calm = if was_on && held.is_ok() { Ok(()) } else { set_torque(client, servo, false) };
+    let restored = set_all(client, servo, before);
+    held.and(calm).and(restored)
+}
+
+fn taps<E: Exchange>(
+    client: &mut Client<E>,
+    servo: &Servo,
+    registers: &Registers,
+    plan: &Plan,
+    held: i32,
+    goes_on: &mut dyn FnMut(u32) -> bool,
+) -> Result<Recorded, ServiceError> {
+    let (mut taps, mut farthest) = (Vec::new(), 0);
+    for index in 0..plan.taps {
+        if !goes_on(index) {
+            let what = "the test was ended; nothing was found".to_owned();
+            return Err(ServiceError::State { id: servo.id, what });
         }
-        Ok(taps)
-    });
-    // What is weak is strong again only when nothing moves.
-    let calm = store(client, servo, &registers.goal, held).and_then(|()| {
-        if was_on { Ok(()) } else { set_torque(client, servo, false) }
-    });
-    let restored = set_all(client, servo, &before);
-    let taps = recorded?;
-    calm.and(restored)?;
-    Ok(taps)
+        let is_up = match plan.direction {
+            Direction::Up => true,
+            Direction::Down => false,
+            Direction::Both => index % 2 == 0,
+        };
+        let sign = if is_up { 1 } else { -1 };
+        let (tap, reached) = one(client, servo, registers, plan, held, sign)?;
+        taps.push(tap);
+        farthest = farthest.max(reached);
+    }
+    Ok(Recorded { taps, farthest_rad: f64::from(farthest) * servo.table.rad_per_count() })
 }
 
 fn registers<E: Exchange>(
@@ -136,7 +176,10 @@ fn registers<E: Exchange>(
                 Range::Between(_, most) => most,
                 _ => shipped,
             };
-            #[expect(clippy::cast_possible_truncation, reason = "it is clamped to the register's range")]
+            #[expect(
+                clippy::cast_possible_truncation,
+                reason = "it is clamped to the register's range"
+            )]
             let raised = (f64::from(shipped) * plan.gain).min(f64::from(most)) as i32;
             (table.register("Goal PWM")?, Some((gain, [shipped, raised])))
         }
@@ -144,7 +187,7 @@ fn registers<E: Exchange>(
     };
     let most = match table {
         Table::Dynamixel(_) => client.read(servo, &table.register("PWM Limit")?)?,
-        Table::Feetech(_) => 1000,
+        Table::Feetech(_) => client.read(servo, &limit)?,
     };
     Ok(Registers {
         goal: table.role(Role::GoalPosition)?,
@@ -152,6 +195,7 @@ fn registers<E: Exchange>(
         limit,
         most,
         gain,
+        clock: Clock::of(table)?,
     })
 }
 
@@ -168,8 +212,7 @@ fn settings<E: Exchange>(
         Table::Dynamixel(_) => {
             settings.push((table.register("Profile Velocity")?, 0));
             settings.push((table.register("Profile Acceleration")?, 0));
-            let mode = client.read(servo, &table.register("Operating Mode")?)?;
-            if mode == 5 {
+            if is_limited_in_current(client, servo)? {
                 let most = client.read(servo, &table.register("Current Limit")?)?;
                 settings.push((table.register("Goal Current")?, most));
             }
@@ -182,6 +225,50 @@ fn settings<E: Exchange>(
     Ok(settings)
 }
 
+/// Whether it is a Dynamixel in mode 5, position with a limit of current.
+fn is_limited_in_current<E: Exchange>(
+    client: &mut Client<E>,
+    servo: &Servo,
+) -> Result<bool, ServiceError> {
+    match servo.table {
+        Table::Dynamixel(_) => {
+            Ok(client.read(servo, &servo.table.register("Operating Mode")?)? == 5)
+        }
+        Table::Feetech(_) => Ok(false),
+    }
+}
+
+/// Refuses to tap where its limits of torque and current leave less than the tap takes: the step would be another.
+fn ensure_strength<E: Exchange>(
+    client: &mut Client<E>,
+    servo: &Servo,
+    registers: &Registers,
+    plan: &Plan,
+) -> Result<(), ServiceError> {
+    let refused = |name: &str, has: f64, takes: f64, unit: &str| {
+        let what = format!(
+            "its {name} is {has:.2} {unit}, and this tap takes up to {takes:.2} {unit}: raise it for the test, or \
+             tap with less --strength"
+        );
+        Err(ServiceError::State { id: servo.id, what })
+    };
+    let [has, takes] = [f64::from(registers.most) / registers.full(), plan.most_part()];
+    if takes > has {
+        let name =
+            if matches!(servo.table, Table::Dynamixel(_)) { "PWM Limit" } else { "Torque Limit" };
+        return refused(name, 100.0 * has, 100.0 * takes, "%");
+    }
+    if is_limited_in_current(client, servo)? {
+        let limit = servo.table.register("Current Limit")?;
+        let has = Scale::of(&limit).quantity(client.read(servo, &limit)?).value;
+        let takes = plan.most_part() * plan.full_a;
+        if takes > has {
+            return refused("Current Limit", has, takes, "A");
+        }
+    }
+    Ok(())
+}
+
 /// Refuses to tap where its limits of position leave no room.
 fn ensure_room<E: Exchange>(
     client: &mut Client<E>,
@@ -190,7 +277,8 @@ fn ensure_room<E: Exchange>(
     held: i32,
 ) -> Result<(), ServiceError> {
     let scale = Scale::of(&servo.table.role(Role::GoalPosition)?);
-    let way = scale.raw(GOAL_DEG).unwrap_or(0);
+    let way_deg = plan.way_rad.to_degrees();
+    let way = scale.raw(way_deg).unwrap_or(0);
     let least = client.read(servo, &servo.table.role(Role::MinPosition)?)?;
     let most = client.read(servo, &servo.table.role(Role::MaxPosition)?)?;
     let up = plan.direction != Direction::Down && held + way > most;
@@ -198,7 +286,8 @@ fn ensure_room<E: Exchange>(
     if least < most && (up || down) {
         let [at, from, to] = [held, least, most].map(|raw| scale.quantity(raw));
         let what = format!(
-            "it stands at {at}, and its limits are {from} and {to}: a tap needs {GOAL_DEG} deg of room"
+            "it stands at {at}, and its limits are {from} and {to}: this tap needs {way_deg:.0} deg of room. Less \
+             --strength needs less"
         );
         return Err(ServiceError::State { id: servo.id, what });
     }
@@ -206,6 +295,11 @@ fn ensure_room<E: Exchange>(
 }
 
 impl Plan {
+    /// The most of the full torque that it may take; friction takes no more than a tenth, as a rule.
+    pub(super) fn most_part(&self) -> f64 {
+        self.gravity_part + self.preload + self.strength + 0.1
+    }
+
     fn back_part(&self) -> f64 {
         (self.gravity_part + BACK_PART).min(1.0)
     }
@@ -239,7 +333,7 @@ fn put<E: Exchange>(
     client.send(servo.id, &request)
 }
 
-/// Taps once: creeps, steps, and comes back.
+/// Taps once: creeps, steps, and comes back. Returns how far it went, too, in counts.
 fn one<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -247,21 +341,52 @@ fn one<E: Exchange>(
     plan: &Plan,
     held: i32,
     sign: i32,
-) -> Result<Tap, ServiceError> {
-    let way = Scale::of(&registers.goal).raw(GOAL_DEG).unwrap_or(0);
-    let mut part = (0.8 * plan.gravity_part).max(RAMP_PART);
-    store(client, servo, &registers.limit, registers.part(part))?;
+) -> Result<(Tap, i32), ServiceError> {
+    let way = Scale::of(&registers.goal).raw(plan.way_rad.to_degrees()).unwrap_or(0);
+    let start = (0.8 * plan.gravity_part).max(RAMP_PART);
+    store(client, servo, &registers.limit, registers.part(start))?;
     if let Some((gain, [_, raised])) = &registers.gain {
         store(client, servo, gain, *raised)?;
     }
     store(client, servo, &registers.goal, held + sign * way)?;
-    let start = client.read(servo, &registers.present)?;
-    let mut least = start;
+    let mut part = creep(client, servo, registers, plan, (start, sign))?;
+    // It speeds up: so its teeth touch, whatever the play.
+    part += plan.preload;
+    put(client, servo, &registers.limit, registers.part(part))?;
+    client.pause(Duration::from_secs_f64((plan.preload_s - plan.before_s).max(0.0)));
+    let mut readings = Vec::new();
+    let step = client.now() + Duration::from_secs_f64(plan.before_s);
+    registers.clock.read_until(client, servo, step, &mut readings)?;
+    let before = registers.part(part);
+    let after = registers.part(part + plan.strength);
+    put(client, servo, &registers.limit, after)?;
+    let step = client.now();
+    let end = step + Duration::from_secs_f64(plan.window_s);
+    registers.clock.read_until(client, servo, end, &mut readings)?;
+    let reached = back(client, servo, registers, plan, (held, sign))?;
+    let count_rad = servo.table.rad_per_count();
+    let samples = registers.clock.since(step, &readings).into_iter().map(|(time_s, counts)| {
+        [time_s, f64::from(sign * (counts - held)) * count_rad]
+    });
+    let step = f64::from(after - before) / registers.full();
+    Ok((Tap { samples: samples.collect(), step }, reached))
+}
+
+/// Raises its torque until it moves. Returns the part of the full torque that this takes.
+fn creep<E: Exchange>(
+    client: &mut Client<E>,
+    servo: &Servo,
+    registers: &Registers,
+    plan: &Plan,
+    (start, sign): (f64, i32),
+) -> Result<f64, ServiceError> {
+    let mut part = start;
+    let mut least = client.read(servo, &registers.present)?;
     loop {
         let now = client.read(servo, &registers.present)?;
         least = if sign > 0 { least.min(now) } else { least.max(now) };
         if sign * (now - least) >= MOVES {
-            break;
+            return Ok(part);
         }
         part += RAMP_PART;
         if part > MOST_CREEP + plan.gravity_part {
@@ -274,37 +399,32 @@ fn one<E: Exchange>(
         put(client, servo, &registers.limit, registers.part(part))?;
         client.pause(RAMP);
     }
-    // It speeds up: so its teeth touch, whatever the play.
-    let mut step_to = |client: &mut Client<E>, more: f64| {
-        let before = registers.part(part);
-        part += more;
-        let after = registers.part(part);
-        put(client, servo, &registers.limit, after)?;
-        Ok::<_, ServiceError>((client.now(), f64::from(after - before) / registers.full()))
-    };
-    let preload = step_to(client, PRELOAD_PART)?;
-    client.pause(Duration::from_secs_f64(plan.preload_s).saturating_sub(BEFORE));
-    let mut readings = Vec::new();
-    let begin = client.now();
-    read_until(client, servo, registers, begin + BEFORE, &mut readings)?;
-    let (step, more) = step_to(client, plan.strength)?;
-    let end = step + Duration::from_secs_f64(plan.window_s);
-    read_until(client, servo, registers, end, &mut readings)?;
-    // Back, gently.
-    put(client, servo, &registers.goal, held)?;
-    put(client, servo, &registers.limit, registers.part(plan.back_part()))?;
-    if let Some((gain, [shipped, _])) = &registers.gain {
-        put(client, servo, gain, *shipped)?;
-    }
+}
+
+/// Brakes, goes back gently, and waits until it stands. Returns how far it was from there, in counts.
+fn back<E: Exchange>(
+    client: &mut Client<E>,
+    servo: &Servo,
+    registers: &Registers,
+    plan: &Plan,
+    (held, sign): (i32, i32),
+) -> Result<i32, ServiceError> {
     store(client, servo, &registers.goal, held)?;
+    let end = client.now() + MOST_BRAKE;
+    let mut reached = i32::MIN;
+    loop {
+        let now = sign * (client.read(servo, &registers.present)? - held);
+        if now < reached || client.now() > end {
+            break;
+        }
+        reached = now;
+    }
+    store(client, servo, &registers.limit, registers.part(plan.back_part()))?;
+    if let Some((gain, [shipped, _])) = &registers.gain {
+        store(client, servo, gain, *shipped)?;
+    }
     settle(client, servo, registers)?;
-    let count_rad = servo.table.rad_per_count();
-    let since = |at: Duration| at.as_secs_f64() - step.as_secs_f64();
-    let steps = vec![[since(preload.0), preload.1], [0.0, more]];
-    let samples = readings.into_iter().map(|(at, counts)| {
-        [since(at), f64::from(sign * (counts - held)) * count_rad]
-    });
-    Ok(Tap { samples: samples.collect(), steps })
+    Ok(reached)
 }
 
 /// Waits until it stands.
@@ -327,27 +447,4 @@ fn settle<E: Exchange>(
         }
     }
     Ok(())
-}
-
-/// Reads its position as often as the line allows.
-fn read_until<E: Exchange>(
-    client: &mut Client<E>,
-    servo: &Servo,
-    registers: &Registers,
-    end: Duration,
-    readings: &mut Vec<(Duration, i32)>,
-) -> Result<(), ServiceError> {
-    let mut last: Option<Duration> = None;
-    loop {
-        if let Some(gap) = last.and_then(|last| (last + READING).checked_sub(client.now())) {
-            client.pause(gap);
-        }
-        last = Some(client.now());
-        let counts = client.read(servo, &registers.present)?;
-        let now = client.now();
-        readings.push((now, counts));
-        if now >= end {
-            return Ok(());
-        }
-    }
 }

@@ -1,14 +1,20 @@
-//! Stiffness and damping out of recorded taps, by least squares.
+//! Stiffness and damping out of recorded taps, by least squares (Levenberg and Marquardt).
+//!
+//! All taps share stiffness, damping, drag and torque. Each tap has numbers of its own: where the shaft was and how
+//! fast, how the gear was wound up and how fast, what torque was left over, and when the step came. A tap's own numbers
+//! are eliminated before the shared ones are solved for.
 
-use super::response::{Joint, Response};
+use nalgebra::{SMatrix, SVector};
+
+use super::joint::{Curves, Joint, Point};
 
 /// One tap: where the shaft was, round a step of torque.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Tap {
-    /// Time since the tap was sent, s, and position in the direction of the tap, rad.
+    /// Time since the step was sent, s, and position in the direction of the tap, rad.
     pub samples: Vec<[f64; 2]>,
-    /// When steps of torque were sent, s, and by how much each, as parts of the full torque.
-    pub steps: Vec<[f64; 2]>,
+    /// The step, a part of the full torque.
+    pub step: f64,
 }
 
 /// What a fit came to.
@@ -16,6 +22,8 @@ pub struct Tap {
 pub struct Fitted {
     /// Rotor, load and gear.
     pub joint: Joint,
+    /// Torque of the motor at standstill with all of its supply, N m.
+    pub full_nm: f64,
     /// Standard errors of stiffness and damping, as parts of each.
     pub errors: [f64; 2],
     /// First swing of the shaft beside the way of a rigid gear, counts of the encoder.
@@ -24,219 +32,282 @@ pub struct Fitted {
     pub noise_counts: f64,
 }
 
-/// When a step may have come after it was sent, s: the packet, the servo's own tick, and the age of its readings.
-const DELAY_S: [f64; 2] = [-2e-3, 6e-3];
+/// Numbers that all taps share: logarithms of stiffness, damping, drag and torque, beside what is believed.
+const SHARED: usize = 4;
+/// A tap's own numbers, in the sizes that they may have: place, speed, windup, its speed, torque, and delay.
+const OWN: usize = 6;
+/// Place among them.
+const DELAY: usize = 5;
+/// The sizes: 1 rad, 10 rad/s, 1.5 counts of ring, a third of the full torque, 2 ms.
+const RING_COUNTS: f64 = 1.5;
+const LEFT_OVER: f64 = 0.3;
+const DELAY_S: f64 = 2e-3;
 /// How far the drag may be from what is believed, as a logarithm.
-const DRAG_SPREAD: f64 = 0.05;
-/// Factors on what is believed of stiffness and of damping, for a first look.
-const COARSE: [f64; 5] = [0.2, 0.45, 1.0, 2.2, 5.0];
+const DRAG_SPREAD: f64 = 0.1;
+/// Deviation of a reading that is right, counts.
+const NOISE_COUNTS: f64 = 0.3;
+/// Factors on what is believed of stiffness and of damping, to begin with.
+const STARTS: [[f64; 2]; 6] = [[1.0, 1.0], [1.0, 0.35], [0.4, 1.0], [0.4, 0.35], [2.5, 1.0], [2.5, 0.35]];
+/// Step of a difference, as a logarithm.
+const DIFFERENCE: f64 = 1e-3;
 
-/// Fits stiffness, damping and drag. `believed` has the inertias, and what is known of the rest.
-pub(super) fn fit(believed: &Joint, taps: &[Tap], count_rad: f64) -> Fitted {
-    let cost = |logs: [f64; 3]| {
-        let off = logs[2] / DRAG_SPREAD;
-        cost(&joint(believed, logs), taps).0 + count_rad * count_rad / 12.0 * off * off
-    };
-    let mut best = ([0.0; 3], f64::INFINITY);
-    for stiffness in COARSE {
-        for damping in COARSE {
-            let logs = [stiffness.ln(), damping.ln(), 0.0];
-            let cost = cost(logs);
-            if cost < best.1 {
-                best = (logs, cost);
-            }
-        }
-    }
-    let logs = nelder_mead(best.0, 0.2, &cost);
-    let least = cost(logs);
-    let fitted = joint(believed, logs);
-    let (_, steps_nm) = self::cost(&fitted, taps);
-    let readings: usize = taps.iter().map(|tap| tap.samples.len()).sum();
-    let free = (readings as f64 - 4.0 * taps.len() as f64 - 3.0).max(1.0);
-    let variance = least / free;
-    let tap_part = taps.first().and_then(|tap| tap.steps.last()).map_or(0.0, |step| step[1]);
-    let step_nm = tap_part * steps_nm.iter().sum::<f64>() / steps_nm.len().max(1) as f64;
-    Fitted {
-        joint: fitted,
-        errors: errors(logs, least, variance, &cost),
-        ring_counts: (step_nm * fitted.ring_rad_nm() / count_rad).abs(),
-        noise_counts: variance.sqrt() / count_rad,
-    }
+type Shared = SVector<f64, SHARED>;
+type Own = SVector<f64, OWN>;
+
+/// Fits taps from scratch. `believed` has the inertias, and what is known of the rest.
+pub(super) fn fit(believed: &Joint, full_nm: f64, taps: &[Tap], count_rad: f64) -> Fitted {
+    let problem = Problem { believed: *believed, full_nm, taps, count_rad };
+    let starts = STARTS.map(|[stiffness, damping]| {
+        let shared = Shared::new(stiffness.ln(), damping.ln(), 0.0, 0.0);
+        problem.descend(State { shared, delays: vec![0.0; taps.len()] }, 8)
+    });
+    let best = starts.into_iter().min_by(|(a, _), (b, _)| a.total_cmp(b));
+    let (_, state) = best.unwrap_or_else(|| (0.0, State::default()));
+    problem.result(problem.descend(state, 30))
 }
 
-fn joint(believed: &Joint, [stiffness, damping, drag]: [f64; 3]) -> Joint {
-    Joint {
-        stiffness_nm_rad: believed.stiffness_nm_rad * stiffness.exp(),
-        damping_nm_s: believed.damping_nm_s * damping.exp(),
-        drag_nm_s: believed.drag_nm_s * drag.exp(),
-        ..*believed
-    }
+/// Fits a part of the taps, beginning with what all came to.
+pub(super) fn refit(believed: &Joint, all: &Fitted, taps: &[Tap], count_rad: f64) -> Fitted {
+    let problem = Problem { believed: *believed, full_nm: all.full_nm, taps, count_rad };
+    let logs = [
+        all.joint.stiffness_nm_rad / believed.stiffness_nm_rad,
+        all.joint.damping_nm_s / believed.damping_nm_s,
+        all.joint.drag_nm_s / believed.drag_nm_s,
+    ]
+    .map(f64::ln);
+    let shared = Shared::new(logs[0], logs[1], logs[2], 0.0);
+    problem.result(problem.descend(State { shared, delays: vec![0.0; taps.len()] }, 30))
 }
 
-/// Returns the sum of squares that is left, and each tap's step, N m.
-fn cost(joint: &Joint, taps: &[Tap]) -> (f64, Vec<f64>) {
-    let last = |tap: &Tap| tap.samples.last().map_or(0.0, |[time, _]| *time);
-    let first = |tap: &Tap| tap.steps.first().map_or(0.0, |[time, _]| *time);
-    let until_s =
-        taps.iter().map(|tap| last(tap) - first(tap)).fold(0.0, f64::max) - DELAY_S[0];
-    let response = joint.response(until_s);
-    let mut sum = 0.0;
-    let mut steps = Vec::new();
-    for tap in taps {
-        let (left, step) = best_delay(tap, &response);
-        sum += left;
-        steps.push(step);
-    }
-    (sum, steps)
+struct Problem<'t> {
+    believed: Joint,
+    full_nm: f64,
+    taps: &'t [Tap],
+    count_rad: f64,
 }
 
-/// Fits a tap at the delay that suits it best: in steps of 0.5 ms, then by thirds.
-fn best_delay(tap: &Tap, response: &Response) -> (f64, f64) {
-    let coarse_s = 5e-4;
-    let at = |delay_s| one(tap, response, delay_s);
-    let mut best = (f64::INFINITY, 0.0);
-    let mut delay_s = DELAY_S[0];
-    while delay_s <= DELAY_S[1] {
-        let (left, _) = at(delay_s);
-        if left < best.0 {
-            best = (left, delay_s);
-        }
-        delay_s += coarse_s;
-    }
-    let [mut low, mut high] = [best.1 - coarse_s, best.1 + coarse_s];
-    for _ in 0..6 {
-        let [a, b] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
-        if at(a).0 < at(b).0 { high = b } else { low = a }
-    }
-    at(0.5 * (low + high))
+/// Where a descent is.
+#[derive(Debug, Clone, Default)]
+struct State {
+    shared: Shared,
+    /// By tap, in [`DELAY_S`].
+    delays: Vec<f64>,
 }
 
-/// Fits place, speed and step of a tap; what is left, and the step.
-fn one(tap: &Tap, response: &Response, delay_s: f64) -> (f64, f64) {
-    let mut matrix = [[0.0_f64; 4]; 3];
-    let mut square = 0.0;
-    let origin = tap.samples.first().map_or(0.0, |[_, position]| *position);
-    for [time, position] in &tap.samples {
-        let position = position - origin;
-        let wound: f64 = tap
-            .steps
-            .iter()
-            .map(|[at, part]| part * response.at(time - at - delay_s))
-            .sum();
-        // Columns of about one size.
-        let row = [1.0, time * 50.0, wound * 1e2];
-        for (at, sums) in row.iter().zip(&mut matrix) {
-            for (other, sum) in row.iter().chain([&position]).zip(sums.iter_mut()) {
-                *sum += at * other;
-            }
-        }
-        square += position * position;
-    }
-    let right = matrix.map(|row| row[3]);
-    let Some(found) = solve(matrix) else { return (f64::INFINITY, 0.0) };
-    let explained: f64 = found.iter().zip(right).map(|(x, b)| x * b).sum();
-    ((square - explained).max(0.0), found[2] * 1e2)
+/// Sums of squares of one tap, in its own numbers and the shared ones.
+struct Sums {
+    own: SMatrix<f64, OWN, OWN>,
+    mixed: SMatrix<f64, OWN, SHARED>,
+    shared: SMatrix<f64, SHARED, SHARED>,
+    own_right: Own,
+    shared_right: Shared,
 }
 
-/// Solves equations by elimination; the last column is the right side.
-fn solve<const N: usize, const M: usize>(mut matrix: [[f64; M]; N]) -> Option<[f64; N]> {
-    for column in 0..N {
-        let pivot = matrix[column];
-        if pivot[column].abs() < 1e-300 {
-            return None;
-        }
-        for (index, row) in matrix.iter_mut().enumerate() {
-            if index != column {
-                let factor = row[column] / pivot[column];
-                row.iter_mut().zip(pivot).for_each(|(x, y)| *x -= factor * y);
-            }
-        }
-    }
-    Some(std::array::from_fn(|at| matrix[at][M - 1] / matrix[at][at]))
+/// Curves at a state, and how they change with stiffness, damping and drag.
+struct Tables {
+    here: Curves,
+    moved: [Curves; 3],
 }
 
-/// Standard errors of the first two logarithms, by the curvature of the cost.
-fn errors(
-    at: [f64; 3],
-    least: f64,
-    variance: f64,
-    cost: &impl Fn([f64; 3]) -> f64,
-) -> [f64; 2] {
-    let h = 0.05;
-    let moved = |by: [f64; 3]| cost([at[0] + by[0], at[1] + by[1], at[2] + by[2]]);
-    let unit = |axis: usize, by: f64| {
-        let mut to = [0.0; 3];
-        to[axis] = by;
-        to
-    };
-    let mut curvature = [[0.0; 4]; 3];
-    for i in 0..3 {
-        for j in 0..3 {
-            curvature[i][j] = if i == j {
-                (moved(unit(i, h)) - 2.0 * least + moved(unit(i, -h))) / (h * h)
-            } else {
-                let both = |a: f64, b: f64| {
-                    let mut to = unit(i, a);
-                    to[j] = b;
-                    moved(to)
-                };
-                (both(h, h) - both(h, -h) - both(-h, h) + both(-h, -h)) / (4.0 * h * h)
-            };
+impl Problem<'_> {
+    fn joint(&self, shared: &Shared) -> Joint {
+        Joint {
+            stiffness_nm_rad: self.believed.stiffness_nm_rad * shared[0].exp(),
+            damping_nm_s: self.believed.damping_nm_s * shared[1].exp(),
+            drag_nm_s: self.believed.drag_nm_s * shared[2].exp(),
+            ..self.believed
         }
     }
-    [0, 1].map(|axis| {
-        let mut matrix = curvature;
-        matrix[axis][3] = 1.0;
-        let inverse = solve(matrix).map_or(f64::INFINITY, |column| column[axis]);
-        if inverse > 0.0 { (2.0 * variance * inverse).sqrt() } else { f64::INFINITY }
-    })
-}
 
-/// The least of a function of three numbers: Nelder and Mead.
-fn nelder_mead(start: [f64; 3], size: f64, cost: &impl Fn([f64; 3]) -> f64) -> [f64; 3] {
-    let mut simplex: Vec<([f64; 3], f64)> = vec![(start, cost(start))];
-    for axis in 0..3 {
-        let mut to = start;
-        to[axis] += size;
-        simplex.push((to, cost(to)));
-    }
-    for _ in 0..120 {
-        simplex.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let spread = (0..3)
-            .map(|axis| (simplex[3].0[axis] - simplex[0].0[axis]).abs())
-            .fold(0.0, f64::max);
-        if spread < 1e-3 {
-            break;
-        }
-        let middle: [f64; 3] = std::array::from_fn(|axis| {
-            simplex[..3].iter().map(|(to, _)| to[axis]).sum::<f64>() / 3.0
-        });
-        let worst = simplex[3];
-        let along = |by: f64| {
-            let to: [f64; 3] =
-                std::array::from_fn(|axis| middle[axis] + by * (worst.0[axis] - middle[axis]));
-            (to, cost(to))
+    fn curves(&self, shared: &Shared) -> Curves {
+        let span = |tap: &Tap| match (tap.samples.first(), tap.samples.last()) {
+            (Some([first, _]), Some([last, _])) => last - first.min(0.0),
+            _ => 0.0,
         };
-        let reflected = along(-1.0);
-        if reflected.1 < simplex[0].1 {
-            let further = along(-2.0);
-            simplex[3] = if further.1 < reflected.1 { further } else { reflected };
-        } else if reflected.1 < simplex[2].1 {
-            simplex[3] = reflected;
-        } else {
-            let inside = along(if reflected.1 < worst.1 { -0.5 } else { 0.5 });
-            if inside.1 < worst.1.min(reflected.1) {
-                simplex[3] = inside;
-            } else {
-                let first = simplex[0].0;
-                for vertex in &mut simplex[1..] {
-                    let to: [f64; 3] =
-                        std::array::from_fn(|axis| 0.5 * (first[axis] + vertex.0[axis]));
-                    *vertex = (to, cost(to));
+        let longest = self.taps.iter().map(span).fold(0.0, f64::max);
+        self.joint(shared).curves(longest + 5.0 * DELAY_S)
+    }
+
+    fn tables(&self, shared: &Shared) -> Tables {
+        let moved = [0, 1, 2].map(|at| {
+            let mut moved = *shared;
+            moved[at] += DIFFERENCE;
+            self.curves(&moved)
+        });
+        Tables { here: self.curves(shared), moved }
+    }
+
+    /// The sizes of a tap's own numbers but the delay, rad per unit.
+    fn sizes(&self, shared: &Shared) -> [f64; 5] {
+        let joint = self.joint(shared);
+        let windup = RING_COUNTS * self.count_rad / joint.rotor_part();
+        [1.0, 10.0, windup, windup * joint.ring_rad_s(), LEFT_OVER * self.full_nm]
+    }
+
+    /// A tap's own numbers but the delay as columns, and what the step does: value and speed.
+    fn columns(&self, shared: &Shared, sizes: &[f64; 5], free: &Point, step: &Point, part: f64) -> ([f64; 5], [f64; 2]) {
+        let [coast, windup, unwinding, pushed] = free.free;
+        let columns = [
+            sizes[0],
+            sizes[1] * coast,
+            sizes[2] * windup,
+            sizes[3] * unwinding,
+            sizes[4] * pushed,
+        ];
+        let torque_nm = self.full_nm * shared[3].exp() * part;
+        (columns, [torque_nm * step.free[3], torque_nm * step.pushed_rad_s])
+    }
+
+    /// Solves for a tap's own numbers but the delay, and returns what is left with priors, counts².
+    fn own_of(&self, curves: &Curves, state: &State, index: usize) -> (f64, [f64; 5]) {
+        let (tap, delay) = (&self.taps[index], state.delays[index]);
+        let sizes = self.sizes(&state.shared);
+        let begin = tap.samples.first().map_or([0.0; 2], |first| *first);
+        let mut matrix = SMatrix::<f64, 5, 5>::from_diagonal_element(1.0);
+        let mut right = SVector::<f64, 5>::zeros();
+        let mut square = delay * delay;
+        let scale = 1.0 / (NOISE_COUNTS * self.count_rad);
+        for [time, position] in &tap.samples {
+            let free = curves.at(time - begin[0]);
+            let step = curves.at(time - delay * DELAY_S);
+            let (columns, [wound, _]) = self.columns(&state.shared, &sizes, &free, &step, tap.step);
+            let left = scale * (position - begin[1] - wound);
+            square += left * left;
+            for (i, a) in columns.iter().enumerate() {
+                right[i] += scale * a * left;
+                for (j, b) in columns.iter().enumerate().skip(i) {
+                    matrix[(j, i)] += scale * scale * a * b;
                 }
             }
         }
+        matrix.fill_upper_triangle_with_lower_triangle();
+        let Some(cholesky) = matrix.cholesky() else { return (f64::INFINITY, [0.0; 5]) };
+        let own = cholesky.solve(&right);
+        ((square - own.dot(&right)).max(0.0), own.into())
     }
-    simplex.sort_by(|a, b| a.1.total_cmp(&b.1));
-    simplex[0].0
+
+    fn cost(&self, state: &State) -> f64 {
+        let curves = self.curves(&state.shared);
+        let taps: f64 = (0..self.taps.len()).map(|index| self.own_of(&curves, state, index).0).sum();
+        taps + (state.shared[2] / DRAG_SPREAD).powi(2)
+    }
+
+    /// Sums of a tap round a state.
+    fn sums(&self, tables: &Tables, state: &State, index: usize) -> Sums {
+        let (tap, delay) = (&self.taps[index], state.delays[index]);
+        let sizes = self.sizes(&state.shared);
+        let (_, own) = self.own_of(&tables.here, state, index);
+        let begin = tap.samples.first().map_or([0.0; 2], |first| *first);
+        let scale = 1.0 / (NOISE_COUNTS * self.count_rad);
+        let mut sums = [[0.0_f64; OWN + SHARED + 1]; OWN + SHARED];
+        for [time, position] in &tap.samples {
+            let [free_s, step_s] = [time - begin[0], time - delay * DELAY_S];
+            let value = |curves: &Curves| {
+                let (free, step) = (curves.at(free_s), curves.at(step_s));
+                let (columns, [wound, speed]) =
+                    self.columns(&state.shared, &sizes, &free, &step, tap.step);
+                let all: f64 = columns.iter().zip(&own).map(|(column, own)| column * own).sum();
+                (columns, all + wound, wound, speed)
+            };
+            let (columns, here, wound, speed) = value(&tables.here);
+            let mut row = [0.0; OWN + SHARED + 1];
+            row[..DELAY].copy_from_slice(&columns);
+            row[DELAY] = -speed * DELAY_S;
+            for (at, moved) in tables.moved.iter().enumerate() {
+                row[OWN + at] = (value(moved).1 - here) / DIFFERENCE;
+            }
+            row[OWN + 3] = wound;
+            row[OWN + SHARED] = position - begin[1] - here;
+            row.iter_mut().for_each(|number| *number *= scale);
+            for (a, sums) in row.iter().zip(&mut sums) {
+                for (b, sum) in row.iter().zip(sums.iter_mut()) {
+                    *sum += a * b;
+                }
+            }
+        }
+        // What they are believed to be: near 0.
+        for (at, own) in own.iter().chain([&delay]).enumerate() {
+            sums[at][at] += 1.0;
+            sums[at][OWN + SHARED] -= own;
+        }
+        Sums {
+            own: SMatrix::from_fn(|i, j| sums[i][j]),
+            mixed: SMatrix::from_fn(|i, j| sums[i][OWN + j]),
+            shared: SMatrix::from_fn(|i, j| sums[OWN + i][OWN + j]),
+            own_right: SVector::from_fn(|i, _| sums[i][OWN + SHARED]),
+            shared_right: SVector::from_fn(|i, _| sums[OWN + i][OWN + SHARED]),
+        }
+    }
+
+    /// Sums of all taps, with their own numbers eliminated.
+    fn reduced(&self, state: &State) -> (Vec<Sums>, SMatrix<f64, SHARED, SHARED>, Shared) {
+        let tables = self.tables(&state.shared);
+        let sums: Vec<Sums> =
+            (0..self.taps.len()).map(|index| self.sums(&tables, state, index)).collect();
+        let prior = 1.0 / (DRAG_SPREAD * DRAG_SPREAD);
+        let mut matrix = SMatrix::from_diagonal(&Shared::new(1e-9, 1e-9, prior, 1e-9));
+        let mut right = Shared::new(0.0, 0.0, -prior * state.shared[2], 0.0);
+        for tap in &sums {
+            let Some(own) = tap.own.cholesky() else { continue };
+            matrix += tap.shared - tap.mixed.transpose() * own.solve(&tap.mixed);
+            right += tap.shared_right - tap.mixed.transpose() * own.solve(&tap.own_right);
+        }
+        (sums, matrix, right)
+    }
+
+    /// Goes downhill for so many steps at most.
+    fn descend(&self, start: State, most: u32) -> (f64, State) {
+        let (mut state, mut caution) = (start, 1e-3);
+        let mut cost = self.cost(&state);
+        for _ in 0..most {
+            let (sums, matrix, right) = self.reduced(&state);
+            let mut careful = matrix;
+            for at in 0..SHARED {
+                careful[(at, at)] *= 1.0 + caution;
+            }
+            let Some(solved) = careful.cholesky() else { break };
+            // No further than half as much again at once.
+            let step = solved.solve(&right).map(|step| step.clamp(-0.4, 0.4));
+            let delays = state.delays.iter().zip(&sums).map(|(delay, tap)| {
+                let own = tap.own.cholesky().map(|own| own.solve(&(tap.own_right - tap.mixed * step)));
+                (delay + own.map_or(0.0, |own| own[DELAY].clamp(-0.5, 0.5))).clamp(-4.0, 4.0)
+            });
+            let next = State { shared: state.shared + step, delays: delays.collect() };
+            let after = self.cost(&next);
+            if after < cost {
+                let is_done = cost - after < 1e-4 && step.amax() < 1e-3;
+                (state, cost) = (next, after);
+                caution = (caution * 0.2).max(1e-9);
+                if is_done {
+                    break;
+                }
+            } else if caution > 1e3 {
+                break;
+            } else {
+                caution *= 10.0;
+            }
+        }
+        (cost, state)
+    }
+
+    fn result(&self, (cost, state): (f64, State)) -> Fitted {
+        let joint = self.joint(&state.shared);
+        let (_, matrix, _) = self.reduced(&state);
+        let readings: usize = self.taps.iter().map(|tap| tap.samples.len()).sum();
+        let free = (readings as f64 - (OWN * self.taps.len() + SHARED) as f64).max(1.0);
+        let variance = cost / free;
+        let inverse = matrix.try_inverse();
+        let error = |at: usize| {
+            inverse.map_or(f64::INFINITY, |inverse| (variance * inverse[(at, at)]).max(0.0).sqrt())
+        };
+        let full_nm = self.full_nm * state.shared[3].exp();
+        let part = self.taps.iter().map(|tap| tap.step).sum::<f64>() / self.taps.len().max(1) as f64;
+        Fitted {
+            joint,
+            full_nm,
+            errors: [error(0), error(1)],
+            ring_counts: full_nm * part * joint.ring_rad_nm() / self.count_rad,
+            noise_counts: NOISE_COUNTS * variance.sqrt(),
+        }
+    }
 }

@@ -41,6 +41,7 @@ impl Case {
         let memory = Box::leak(Box::new([0; MEMORY_LEN]));
         let mut servo = SimServo::new(&kind, 1, memory).unwrap();
         servo.set_baud(1_000_000).unwrap();
+        servo.refine_gear(10);
         let mut line = SimLine::new(&[(self.kind, 1)]);
         line.bench = Bench::new(vec![servo], vec![arm], Supply::stiff(kind.voltage_v));
         line.bench.run_us(1_000_000);
@@ -59,7 +60,10 @@ fn found(kind: &'static str) {
     let cases = [
         case(1.0, 0.0, &[] as &[&str]),
         case(2.0, 0.1, &["stiffness=0.5", "play=2"]),
-        case(0.5, 0.0, &["damping=0.5"]),
+        case(0.5, 0.0, &["damping=0.33"]),
+        case(1.0, 0.0, &["stiffness=2"]),
+        case(4.0, 0.05, &["stiffness=2", "damping=0.33", "play=2"]),
+        case(2.0, 0.0, &["stiffness=0.5"]),
     ];
     let mut worst: f64 = 0.0;
     for case in &cases {
@@ -101,4 +105,19 @@ fn the_gear_of_an_mx_64_is_found() {
 #[test]
 fn the_gear_of_an_sts3215_is_found() {
     found("STS3215-7.4V");
+}
+
+#[test]
+fn the_gear_of_an_xm430_is_found() {
+    found("XM430-W350-T");
+}
+
+#[test]
+fn the_gear_of_an_mx_28_is_found() {
+    found("MX-28");
+}
+
+#[test]
+fn the_gear_of_an_xl430_is_found() {
+    found("XL430-W250-T");
 }

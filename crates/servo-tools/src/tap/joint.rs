@@ -1,0 +1,127 @@
+//! A rotor, a gear and what hangs on it, and how they ring.
+
+use nalgebra::{SMatrix, SVector};
+
+/// Two masses with a spring and a damper between them, all at the output shaft.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Joint {
+    /// Inertia of the rotor as the gear shows it, kg m².
+    pub rotor_kg_m2: f64,
+    /// Inertia of what hangs on the shaft, kg m².
+    pub load_kg_m2: f64,
+    /// Stiffness of the gear, N m/rad.
+    pub stiffness_nm_rad: f64,
+    /// Damping of the gear between its ends, N m s.
+    pub damping_nm_s: f64,
+    /// Viscous friction and back-EMF at the rotor, N m s.
+    pub drag_nm_s: f64,
+}
+
+impl Joint {
+    /// Returns the frequency of the ring without damping, rad/s.
+    pub fn ring_rad_s(&self) -> f64 {
+        (self.stiffness_nm_rad * self.mobility()).sqrt()
+    }
+
+    /// Returns the time of a swing to and fro, s.
+    pub fn period_s(&self) -> f64 {
+        2.0 * std::f64::consts::PI / self.ring_rad_s()
+    }
+
+    /// Returns the part of the critical damping that the ring has.
+    pub fn damping_ratio(&self) -> f64 {
+        0.5 * self.damping_nm_s * self.mobility() / self.ring_rad_s()
+    }
+
+    /// Returns the shaft's part of a ring after a step of torque, rad per N m.
+    pub fn ring_rad_nm(&self) -> f64 {
+        self.rotor_part() * (1.0 - self.rotor_part()) / self.stiffness_nm_rad
+    }
+
+    /// Returns the part of all inertia that the rotor is.
+    pub fn rotor_part(&self) -> f64 {
+        self.rotor_kg_m2 / (self.rotor_kg_m2 + self.load_kg_m2)
+    }
+
+    fn mobility(&self) -> f64 {
+        1.0 / self.rotor_kg_m2 + 1.0 / self.load_kg_m2
+    }
+
+    /// Returns how the shaft moves by itself and under a torque, from 0 to `until_s`.
+    pub(super) fn curves(&self, until_s: f64) -> Curves {
+        let [stiffness, damping] = [self.stiffness_nm_rad, self.damping_nm_s];
+        let [rotor, load] = [self.rotor_kg_m2, self.load_kg_m2];
+        // Positions and speeds of rotor and shaft, and a torque at the rotor that stays.
+        #[rustfmt::skip]
+        let rates = SMatrix::<f64, 5, 5>::from_row_slice(&[
+            0.0, 1.0, 0.0, 0.0, 0.0,
+            -stiffness / rotor, -(damping + self.drag_nm_s) / rotor, stiffness / rotor, damping / rotor, 1.0 / rotor,
+            0.0, 0.0, 0.0, 1.0, 0.0,
+            stiffness / load, damping / load, -stiffness / load, -damping / load, 0.0,
+            0.0, 0.0, 0.0, 0.0, 0.0,
+        ]);
+        let step = (rates * Curves::STEP_S).exp();
+        // Either end turns so far that both together stay.
+        let [ahead, behind] = [1.0 - self.rotor_part(), -self.rotor_part()];
+        let starts: [SVector<f64, 5>; 4] = [
+            [0.0, 1.0, 0.0, 1.0, 0.0],
+            [ahead, 0.0, behind, 0.0, 0.0],
+            [0.0, ahead, 0.0, behind, 0.0],
+            [0.0, 0.0, 0.0, 0.0, 1.0],
+        ]
+        .map(SVector::from);
+        let mut states = starts;
+        let mut points = Vec::new();
+        while points.len() as f64 * Curves::STEP_S < until_s + 2.0 * Curves::STEP_S {
+            let [coast, windup, unwinding, pushed] = states;
+            points.push(Point {
+                free: [coast[2], windup[2], unwinding[2], pushed[2]],
+                pushed_rad_s: pushed[3],
+            });
+            states = states.map(|state| step * state);
+        }
+        Curves { points }
+    }
+}
+
+/// Motions of the shaft from time 0 on, tabulated.
+pub(super) struct Curves {
+    points: Vec<Point>,
+}
+
+/// The shaft at a time.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Point {
+    /// rad, after: 1 rad/s of rotor and shaft; 1 rad of windup; 1 rad/s of it; under 1 N m that begins.
+    pub(super) free: [f64; 4],
+    /// Speed of the last of these, rad/s.
+    pub(super) pushed_rad_s: f64,
+}
+
+impl Curves {
+    const STEP_S: f64 = 1e-4;
+
+    /// Returns the shaft at a time; at rest before 0.
+    pub(super) fn at(&self, time_s: f64) -> Point {
+        if time_s <= 0.0 {
+            return Point::default();
+        }
+        let place = time_s / Self::STEP_S;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a number of steps, above 0"
+        )]
+        let index = (place as usize).min(self.points.len().saturating_sub(2));
+        let [Some(before), Some(after)] = [self.points.get(index), self.points.get(index + 1)]
+        else {
+            return Point::default();
+        };
+        let part = place - index as f64;
+        let between = |before: f64, after: f64| before + part * (after - before);
+        Point {
+            free: std::array::from_fn(|at| between(before.free[at], after.free[at])),
+            pushed_rad_s: between(before.pushed_rad_s, after.pushed_rad_s),
+        }
+    }
+}
