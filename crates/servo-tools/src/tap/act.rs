@@ -61,6 +61,8 @@ pub(super) struct Plan {
     pub(super) gain: f64,
     /// How far away its goal is meanwhile, rad: it does not get there.
     pub(super) way_rad: f64,
+    /// Error of position at which it gives all that it has, rad.
+    pub(super) full_rad: f64,
     /// Current of its full torque, A.
     pub(super) full_a: f64,
 }
@@ -368,6 +370,9 @@ fn one<E: Exchange>(
     let samples = registers.clock.since(step, &readings).into_iter().map(|(time_s, counts)| {
         [time_s, f64::from(sign * (counts - held)) * count_rad]
     });
+    // Near its goal it gives less than its limit.
+    let pushed_rad = plan.way_rad - plan.full_rad * (part + plan.strength);
+    let samples = samples.take_while(|[_, position_rad]| *position_rad < pushed_rad);
     let step = f64::from(after - before) / registers.full();
     Ok((Tap { samples: samples.collect(), step }, reached))
 }

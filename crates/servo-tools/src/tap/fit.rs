@@ -61,6 +61,7 @@ pub(super) fn fit(believed: &Joint, full_nm: f64, taps: &[Tap], count_rad: f64) 
         let shared = Shared::new(stiffness.ln(), damping.ln(), 0.0, 0.0);
         problem.descend(State { shared, delays: vec![0.0; taps.len()] }, 8)
     });
+    if std::env::var("TAP_DEBUG").is_ok() { for s in &starts { println!("start {} {:?}", s.0, s.1.shared.data); } }
     let best = starts.into_iter().min_by(|(a, _), (b, _)| a.total_cmp(b));
     let (_, state) = best.unwrap_or_else(|| (0.0, State::default()));
     problem.result(problem.descend(state, 30))
@@ -292,6 +293,10 @@ impl Problem<'_> {
 
     fn result(&self, (cost, state): (f64, State)) -> Fitted {
         let joint = self.joint(&state.shared);
+        if std::env::var("TAP_DEBUG").is_ok() && self.taps.len() > 20 {
+            let d = SVector::<f64, 50>::from_fn(|i, _| state.delays[i] * DELAY_S * 1e3);
+            println!("delay ms mean {:.3} sd {:.3} min {:.3} max {:.3} cost {cost}", d.mean(), d.variance().sqrt(), d.min(), d.max());
+        }
         let (_, matrix, _) = self.reduced(&state);
         let readings: usize = self.taps.iter().map(|tap| tap.samples.len()).sum();
         let free = (readings as f64 - (OWN * self.taps.len() + SHARED) as f64).max(1.0);

@@ -98,6 +98,10 @@ const WINDOW_S: [f64; 2] = [0.03, 0.15];
 /// Error of position at which a servo gives all it has, rad; its gain is raised for it where it can be.
 const FULL_RAD: f64 = 0.12;
 
+/// How far it creeps at most until it is seen, and what it goes further meanwhile by the speed that it has then, rad.
+const CREEP_RAD: f64 = 0.05;
+const WAY_MARGIN: f64 = 1.15;
+
 fn plan(model: &ServoModel, settings: &Settings) -> Plan {
     let (joint, full_nm) = believed(model, settings.load_kg_m2);
     let is_loaded = settings.gravity_nm.abs() > GRAVITY_FRICTIONS * model.friction_nm.value;
@@ -119,9 +123,12 @@ fn plan(model: &ServoModel, settings: &Settings) -> Plan {
         gain: (model.stall_torque_nm.value / FULL_RAD / model.position_gain_nm_rad.value.max(1e-3))
             .max(1.0),
         way_rad: 0.0,
+        full_rad: FULL_RAD,
         full_a: model.stall_current_a.value,
     };
-    plan.way_rad = way_rad(&joint, full_nm, &plan) + FULL_RAD * plan.most_part().min(1.0);
+    plan.way_rad = WAY_MARGIN * way_rad(&joint, full_nm, &plan)
+        + CREEP_RAD
+        + FULL_RAD * plan.most_part().min(1.0);
     plan
 }
 

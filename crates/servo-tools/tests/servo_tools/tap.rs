@@ -121,3 +121,26 @@ fn the_gear_of_an_mx_28_is_found() {
 fn the_gear_of_an_xl430_is_found() {
     found("XL430-W250-T");
 }
+
+#[test]
+#[ignore = "explore"]
+fn explore() {
+    for line in std::env::var("TAP_CASES").unwrap().split(';') {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let changes: Vec<&'static str> = words[3..].iter().map(|w| &*Box::leak(w.to_string().into_boxed_str())).collect();
+        let case = Case {
+            kind: Box::leak(words[0].to_owned().into_boxed_str()),
+            load: words[1].parse().unwrap(),
+            gravity: words[2].parse().unwrap(),
+            changes: Box::leak(changes.into_boxed_slice()),
+        };
+        let truth = case.truth();
+        match case.tap(0.5, 50) {
+            Ok(tapped) => {
+                let joint = tapped.fitted.joint;
+                println!("{line}: K {:+.1} % c {:+.1} %\n   {tapped}", 100.0 * (joint.stiffness_nm_rad / truth.gear_stiffness_nm_rad - 1.0), 100.0 * (joint.damping_nm_s / truth.gear_damping_nm_s - 1.0));
+            }
+            Err(error) => println!("{line}: {error}"),
+        }
+    }
+}
