@@ -29,6 +29,9 @@ const MOST_SETTLE: Duration = Duration::from_secs(4);
 /// It goes back with so much more than gravity takes, of its full torque.
 const BACK_PART: f64 = 0.3;
 
+/// Part by which taps differ from each other.
+const VARIES: f64 = 0.2;
+
 /// Which way to tap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Direction {
@@ -157,7 +160,7 @@ fn taps<E: Exchange>(
             Direction::Both => index % 2 == 0,
         };
         let sign = if is_up { 1 } else { -1 };
-        let (tap, reached) = one(client, servo, registers, plan, held, sign)?;
+        let (tap, reached) = one(client, servo, registers, &plan.of_tap(index), held, sign)?;
         taps.push(tap);
         farthest = farthest.max(reached);
     }
@@ -300,6 +303,18 @@ impl Plan {
     /// The most of the full torque that it may take; friction takes no more than a tenth, as a rule.
     pub(super) fn most_part(&self) -> f64 {
         self.gravity_part + self.preload + self.strength + 0.1
+    }
+
+    /// Returns the plan of a tap: none is as another, so that steps of the encoder are averaged out.
+    fn of_tap(&self, index: u32) -> Self {
+        // Parts of 1 that are spread evenly, whatever their number: those of two irrational numbers.
+        let [time, torque] = [0.618_034, 0.754_878].map(|step| (f64::from(index) * step).fract());
+        Self {
+            strength: self.strength * (1.0 - VARIES * torque),
+            preload: self.preload * (1.0 - VARIES * time),
+            preload_s: self.preload_s * (1.0 - VARIES * time),
+            ..*self
+        }
     }
 
     fn back_part(&self) -> f64 {

@@ -17,6 +17,14 @@ pub struct Tap {
     pub step: f64,
 }
 
+impl Tap {
+    /// Returns what was read until a time, s.
+    pub(super) fn until(&self, time_s: f64) -> Self {
+        let samples = self.samples.iter().take_while(|[time, _]| *time < time_s);
+        Self { samples: samples.copied().collect(), step: self.step }
+    }
+}
+
 /// What a fit came to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fitted {
@@ -313,6 +321,34 @@ impl Problem<'_> {
             errors: [error(0), error(1)],
             ring_counts: full_nm * part * joint.ring_rad_nm() / self.count_rad,
             noise_counts: NOISE_COUNTS * variance.sqrt(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn synth() {
+        let count = 1.53398e-3;
+        let truth = Joint { rotor_kg_m2: 0.005, load_kg_m2: 0.005, stiffness_nm_rad: 285.8, damping_nm_s: 0.359, drag_nm_s: 0.43 };
+        let believed = Joint { stiffness_nm_rad: 142.9, drag_nm_s: 0.45, ..truth };
+        let curves = truth.curves(0.2);
+        let mut seed = 7_u64;
+        let mut random = || { seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407); (seed >> 33) as f64 / (1u64 << 31) as f64 };
+        for round in 0..4 {
+            let taps: Vec<Tap> = (0..50).map(|_| {
+                let (delay, x0, v0) = (1e-3 * random(), 10.0 * random() * count, 0.1 + 0.05 * random());
+                let samples = (-20..53).map(|ms| {
+                    let t = 1e-3 * f64::from(ms);
+                    let x = x0 + v0 * curves.at(t + 0.04).free[0] + 0.1 * 2.6 * curves.at(t + 0.039).free[3] + 0.5 * 2.6 * curves.at(t - delay).free[3];
+                    [t, (x / count).round() * count]
+                }).collect();
+                Tap { samples, step: 0.5 }
+            }).collect();
+            let f = fit(&believed, 2.85, &taps, count);
+            println!("round {round} K {:.3} c {:.3} {f:?}", f.joint.stiffness_nm_rad / truth.stiffness_nm_rad, f.joint.damping_nm_s / truth.damping_nm_s);
         }
     }
 }

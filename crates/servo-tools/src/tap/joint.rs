@@ -2,6 +2,19 @@
 
 use nalgebra::{SMatrix, SVector};
 
+/// Torques that push a joint.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Push {
+    /// Of the motor, before the step, N m.
+    pub(super) preload_nm: f64,
+    /// For how long, s.
+    pub(super) preload_s: f64,
+    /// The step, N m.
+    pub(super) step_nm: f64,
+    /// What the shaft resists with all the time: friction and gravity, N m.
+    pub(super) held_nm: f64,
+}
+
 /// Two masses with a spring and a damper between them, all at the output shaft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joint {
@@ -16,6 +29,9 @@ pub struct Joint {
     /// Viscous friction and back-EMF at the rotor, N m s.
     pub drag_nm_s: f64,
 }
+
+/// Part of the most with which the gear pushes below which it may push no more.
+const LEAST_PUSH: f64 = 0.02;
 
 impl Joint {
     /// Returns the frequency of the ring without damping, rad/s.
@@ -81,6 +97,26 @@ impl Joint {
             states = states.map(|state| step * state);
         }
         Curves { points }
+    }
+
+    /// Returns how long the gear pushes after the step of a push, s, at most `until_s`: then its teeth may part, since
+    /// the motor speeds up no more.
+    pub(super) fn contact_s(&self, push: &Push, until_s: f64) -> f64 {
+        let curves = self.curves(until_s + push.preload_s);
+        let [mut most_nm, mut time_s]: [f64; 2] = [0.0; 2];
+        while time_s < until_s {
+            let [before, after] = [0.0, Curves::STEP_S].map(|more_s| {
+                push.preload_nm * curves.at(time_s + push.preload_s + more_s).pushed_rad_s
+                    + push.step_nm * curves.at(time_s + more_s).pushed_rad_s
+            });
+            let gear_nm = self.load_kg_m2 * (after - before) / Curves::STEP_S + push.held_nm;
+            most_nm = most_nm.max(gear_nm);
+            if gear_nm < LEAST_PUSH * most_nm {
+                break;
+            }
+            time_s += Curves::STEP_S;
+        }
+        time_s
     }
 }
 

@@ -19,6 +19,7 @@ use sinew_rig::description::ServoModel;
 
 use crate::{Client, Exchange, ServiceError, Servo};
 use act::{Direction, Plan};
+use joint::Push;
 pub use fit::{Fitted, Tap};
 pub use joint::Joint;
 
@@ -88,10 +89,10 @@ pub fn believed(model: &ServoModel, load_kg_m2: f64) -> (Joint, f64) {
 const PRELOAD: f64 = 0.1;
 /// Periods of the believed ring that it does so for, within these times, s.
 const PRELOAD_PERIODS: f64 = 1.5;
-const PRELOAD_S: [f64; 2] = [0.07, 0.15];
+const PRELOAD_S: [f64; 2] = [0.03, 0.15];
 /// Part of a period that is read before the step, within these times, s.
 const BEFORE_PERIODS: f64 = 0.8;
-const BEFORE_S: [f64; 2] = [0.025, 0.06];
+const BEFORE_S: [f64; 2] = [0.02, 0.06];
 /// Periods of the believed ring that are read after it, within these times, s.
 const WINDOW_PERIODS: f64 = 2.0;
 const WINDOW_S: [f64; 2] = [0.03, 0.15];
@@ -167,10 +168,18 @@ pub fn tap<E: Exchange>(
     goes_on: &mut dyn FnMut(u32) -> bool,
 ) -> Result<Tapped, ServiceError> {
     let (believed, believed_full_nm) = believed(model, settings.load_kg_m2);
-    let recorded = act::record(client, servo, &plan(model, settings), goes_on)?;
-    let taps = recorded.taps;
+    let plan = plan(model, settings);
+    let recorded = act::record(client, servo, &plan, goes_on)?;
     let count_rad = servo.table.rad_per_count();
-    let fitted = fit::fit(&believed, believed_full_nm, &taps, count_rad);
+    let push = Push {
+        preload_nm: plan.preload * believed_full_nm,
+        preload_s: plan.preload_s,
+        step_nm: plan.strength * believed_full_nm,
+        held_nm: 0.5 * model.output_friction_share() * model.friction_nm.value
+            + settings.gravity_nm.abs(),
+    };
+    let (fitted, taps) =
+        while_it_pushes(&believed, believed_full_nm, &push, &recorded.taps, count_rad);
     let of_part = |part: usize| {
         // Both directions are in each: taps go up and down in turn.
         let own: Vec<Tap> = taps.iter().skip(part).step_by(PARTS).cloned().collect();
@@ -194,6 +203,29 @@ pub fn tap<E: Exchange>(
     if std::env::var("TAP_DEBUG").is_ok() { println!("{tapped}"); }
     tapped.check().map_err(|what| ServiceError::State { id: servo.id, what })?;
     Ok(tapped)
+}
+
+/// Fits what was read while the gear pushed. How long that is follows from the fit, so it is fitted again.
+fn while_it_pushes(
+    believed: &Joint,
+    full_nm: f64,
+    push: &Push,
+    taps: &[Tap],
+    count_rad: f64,
+) -> (Fitted, Vec<Tap>) {
+    let longest_s = taps.iter().filter_map(|tap| tap.samples.last()).map(|last| last[0]);
+    let longest_s = longest_s.fold(0.0, f64::max);
+    let mut contact_s = believed.contact_s(push, longest_s);
+    loop {
+        let within: Vec<Tap> = taps.iter().map(|tap| tap.until(contact_s)).collect();
+        let fitted = fit::fit(believed, full_nm, &within, count_rad);
+        let found_s = fitted.joint.contact_s(push, longest_s);
+        if std::env::var("TAP_DEBUG").is_ok() { println!("contact {contact_s} {found_s} {:?}", fitted.joint); }
+        if found_s >= contact_s {
+            return (fitted, within);
+        }
+        contact_s = found_s;
+    }
 }
 
 impl Tapped {
