@@ -40,16 +40,20 @@ pub struct Fitted {
     pub noise_counts: f64,
 }
 
-/// Numbers that all taps share: logarithms of stiffness, damping, drag and torque, beside what is believed.
-const SHARED: usize = 4;
+/// Numbers that all taps share: logarithms of stiffness, damping, drag and torque, beside what is believed; and when
+/// the step comes.
+const SHARED: usize = 5;
 /// A tap's own numbers, in the sizes that they may have: place, speed, windup, its speed, torque, and delay.
 const OWN: usize = 6;
 /// Place among them.
 const DELAY: usize = 5;
-/// The sizes: 1 rad, 10 rad/s, 1.5 counts of ring, a third of the full torque, 2 ms.
-const RING_COUNTS: f64 = 1.5;
+/// The sizes: 1 rad, 10 rad/s, half a count of ring, a third of the full torque, and half a millisecond: the packet comes
+/// at any time of the servo's own tick, and of a USB frame.
+const RING_COUNTS: f64 = 0.5;
 const LEFT_OVER: f64 = 0.3;
-const DELAY_S: f64 = 2e-3;
+const DELAY_S: f64 = 5e-4;
+/// Size of the delay that all taps share, s.
+const SHARED_DELAY_S: f64 = 2e-3;
 /// How far the drag may be from what is believed, as a logarithm.
 const DRAG_SPREAD: f64 = 0.1;
 /// Deviation of a reading that is right, counts.
@@ -66,7 +70,7 @@ type Own = SVector<f64, OWN>;
 pub(super) fn fit(believed: &Joint, full_nm: f64, taps: &[Tap], count_rad: f64) -> Fitted {
     let problem = Problem { believed: *believed, full_nm, taps, count_rad };
     let starts = STARTS.map(|[stiffness, damping]| {
-        let shared = Shared::new(stiffness.ln(), damping.ln(), 0.0, 0.0);
+        let shared = Shared::from([stiffness.ln(), damping.ln(), 0.0, 0.0, 0.0]);
         problem.descend(State { shared, delays: vec![0.0; taps.len()] }, 8)
     });
     if std::env::var("TAP_DEBUG").is_ok() { for s in &starts { println!("start {} {:?}", s.0, s.1.shared.data); } }
@@ -84,7 +88,7 @@ pub(super) fn refit(believed: &Joint, all: &Fitted, taps: &[Tap], count_rad: f64
         all.joint.drag_nm_s / believed.drag_nm_s,
     ]
     .map(f64::ln);
-    let shared = Shared::new(logs[0], logs[1], logs[2], 0.0);
+    let shared = Shared::from([logs[0], logs[1], logs[2], 0.0, 0.0]);
     problem.result(problem.descend(State { shared, delays: vec![0.0; taps.len()] }, 30))
 }
 
@@ -101,6 +105,13 @@ struct State {
     shared: Shared,
     /// By tap, in [`DELAY_S`].
     delays: Vec<f64>,
+}
+
+impl State {
+    /// When the step of a tap came, s.
+    fn delay_s(&self, index: usize) -> f64 {
+        self.shared[4] * SHARED_DELAY_S + self.delays[index] * DELAY_S
+    }
 }
 
 /// Sums of squares of one tap, in its own numbers and the shared ones.
@@ -134,7 +145,7 @@ impl Problem<'_> {
             _ => 0.0,
         };
         let longest = self.taps.iter().map(span).fold(0.0, f64::max);
-        self.joint(shared).curves(longest + 5.0 * DELAY_S)
+        self.joint(shared).curves(longest + 4.0 * (SHARED_DELAY_S + DELAY_S))
     }
 
     fn tables(&self, shared: &Shared) -> Tables {
@@ -178,7 +189,7 @@ impl Problem<'_> {
         let scale = 1.0 / (NOISE_COUNTS * self.count_rad);
         for [time, position] in &tap.samples {
             let free = curves.at(time - begin[0]);
-            let step = curves.at(time - delay * DELAY_S);
+            let step = curves.at(time - state.delay_s(index));
             let (columns, [wound, _]) = self.columns(&state.shared, &sizes, &free, &step, tap.step);
             let left = scale * (position - begin[1] - wound);
             square += left * left;
@@ -198,7 +209,7 @@ impl Problem<'_> {
     fn cost(&self, state: &State) -> f64 {
         let curves = self.curves(&state.shared);
         let taps: f64 = (0..self.taps.len()).map(|index| self.own_of(&curves, state, index).0).sum();
-        taps + (state.shared[2] / DRAG_SPREAD).powi(2)
+        taps + (state.shared[2] / DRAG_SPREAD).powi(2) + state.shared[4].powi(2)
     }
 
     /// Sums of a tap round a state.
@@ -210,7 +221,7 @@ impl Problem<'_> {
         let scale = 1.0 / (NOISE_COUNTS * self.count_rad);
         let mut sums = [[0.0_f64; OWN + SHARED + 1]; OWN + SHARED];
         for [time, position] in &tap.samples {
-            let [free_s, step_s] = [time - begin[0], time - delay * DELAY_S];
+            let [free_s, step_s] = [time - begin[0], time - state.delay_s(index)];
             let value = |curves: &Curves| {
                 let (free, step) = (curves.at(free_s), curves.at(step_s));
                 let (columns, [wound, speed]) =
@@ -226,6 +237,7 @@ impl Problem<'_> {
                 row[OWN + at] = (value(moved).1 - here) / DIFFERENCE;
             }
             row[OWN + 3] = wound;
+            row[OWN + 4] = -speed * SHARED_DELAY_S;
             row[OWN + SHARED] = position - begin[1] - here;
             row.iter_mut().for_each(|number| *number *= scale);
             for (a, sums) in row.iter().zip(&mut sums) {
@@ -254,8 +266,8 @@ impl Problem<'_> {
         let sums: Vec<Sums> =
             (0..self.taps.len()).map(|index| self.sums(&tables, state, index)).collect();
         let prior = 1.0 / (DRAG_SPREAD * DRAG_SPREAD);
-        let mut matrix = SMatrix::from_diagonal(&Shared::new(1e-9, 1e-9, prior, 1e-9));
-        let mut right = Shared::new(0.0, 0.0, -prior * state.shared[2], 0.0);
+        let mut matrix = SMatrix::from_diagonal(&Shared::from([1e-9, 1e-9, prior, 1e-9, 1.0]));
+        let mut right = Shared::from([0.0, 0.0, -prior * state.shared[2], 0.0, -state.shared[4]]);
         for tap in &sums {
             let Some(own) = tap.own.cholesky() else { continue };
             matrix += tap.shared - tap.mixed.transpose() * own.solve(&tap.mixed);
@@ -302,7 +314,7 @@ impl Problem<'_> {
     fn result(&self, (cost, state): (f64, State)) -> Fitted {
         let joint = self.joint(&state.shared);
         if std::env::var("TAP_DEBUG").is_ok() && self.taps.len() > 20 {
-            let d = SVector::<f64, 50>::from_fn(|i, _| state.delays[i] * DELAY_S * 1e3);
+            let d = SVector::<f64, 50>::from_fn(|i, _| state.delay_s(i) * 1e3);
             println!("delay ms mean {:.3} sd {:.3} min {:.3} max {:.3} cost {cost}", d.mean(), d.variance().sqrt(), d.min(), d.max());
         }
         let (_, matrix, _) = self.reduced(&state);
@@ -337,7 +349,7 @@ mod tests {
         let curves = truth.curves(0.2);
         let mut seed = 7_u64;
         let mut random = || { seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407); (seed >> 33) as f64 / (1u64 << 31) as f64 };
-        for round in 0..4 {
+        for round in 0..12 {
             let taps: Vec<Tap> = (0..50).map(|_| {
                 let (delay, x0, v0) = (1e-3 * random(), 10.0 * random() * count, 0.1 + 0.05 * random());
                 let samples = (-20..53).map(|ms| {

@@ -31,7 +31,7 @@ pub struct Joint {
 }
 
 /// Part of the most with which the gear pushes below which it may push no more.
-const LEAST_PUSH: f64 = 0.02;
+const LEAST_PUSH: f64 = -0.1;
 
 impl Joint {
     /// Returns the frequency of the ring without damping, rad/s.
