@@ -6,12 +6,15 @@ use sinew_servo_bus::table::{Item, Range};
 
 use super::clock::Clock;
 use super::fit::Tap;
+use super::plan::{Direction, Plan};
 use crate::identify::{ensure_it_stands_in_position_mode, ensure_no_fault, set_all};
 use crate::quantity::Scale;
 use crate::store::{set_torque, store, torque_is_on};
 use crate::table::Role;
 use crate::{Client, Exchange, ServiceError, Servo, Table};
 
+/// Position, with a limit of current: of Dynamixels.
+const MODE_CURRENT_POSITION: i32 = 5;
 /// It has begun to creep when it has moved by so many counts.
 const MOVES: i32 = 3;
 /// The limit of torque grows by so much every [`RAMP`] until it creeps.
@@ -26,49 +29,6 @@ const SETTLE: Duration = Duration::from_millis(200);
 /// It stands when it moves by no more than a count for so long; it is waited for no longer than [`MOST_SETTLE`].
 const STANDS: Duration = Duration::from_millis(80);
 const MOST_SETTLE: Duration = Duration::from_secs(4);
-/// It goes back with so much more than gravity takes, of its full torque.
-const BACK_PART: f64 = 0.3;
-
-/// Part by which taps differ from each other.
-const VARIES: f64 = 0.2;
-
-/// Which way to tap.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Direction {
-    /// Towards larger positions.
-    Up,
-    /// Towards smaller ones.
-    Down,
-    /// In turn.
-    Both,
-}
-
-/// How to tap.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Plan {
-    pub(super) taps: u32,
-    pub(super) direction: Direction,
-    /// Step, of the full torque.
-    pub(super) strength: f64,
-    /// It speeds up by so much of its full torque before.
-    pub(super) preload: f64,
-    /// What gravity takes, of the full torque.
-    pub(super) gravity_part: f64,
-    /// How long it speeds up before the step, s.
-    pub(super) preload_s: f64,
-    /// How long to read before the step, s.
-    pub(super) before_s: f64,
-    /// How long to read after the step, s.
-    pub(super) window_s: f64,
-    /// Factor on the gain of position.
-    pub(super) gain: f64,
-    /// How far away its goal is meanwhile, rad: it does not get there.
-    pub(super) way_rad: f64,
-    /// Error of position at which it gives all that it has, rad.
-    pub(super) full_rad: f64,
-    /// Current of its full torque, A.
-    pub(super) full_a: f64,
-}
 
 /// What came of tapping.
 pub(super) struct Recorded {
@@ -81,8 +41,11 @@ pub(super) struct Recorded {
 struct Registers {
     goal: Item,
     present: Item,
+    /// What limits its torque.
     limit: Item,
+    /// The most that it may be, and what it is for the full torque, counts.
     most: i32,
+    full: f64,
     /// Gain of position, as it is and as it is while tapped; none where it stays.
     gain: Option<(Item, [i32; 2])>,
     clock: Clock,
@@ -99,7 +62,7 @@ pub(super) fn record<E: Exchange>(
     let was_on = torque_is_on(client, servo)?;
     ensure_it_stands_in_position_mode(client, servo, was_on)?;
     let registers = registers(client, servo, plan)?;
-    ensure_strength(client, servo, &registers, plan)?;
+    ensure_strength(servo, &registers, plan)?;
     let held = client.read(servo, if was_on { &registers.goal } else { &registers.present })?;
     ensure_room(client, servo, plan, held)?;
     let settings = settings(client, servo, &registers, plan)?;
@@ -173,35 +136,50 @@ fn registers<E: Exchange>(
     plan: &Plan,
 ) -> Result<Registers, ServiceError> {
     let table = &servo.table;
-    let (limit, gain) = match table {
+    let (limit, most, full, gain) = match table {
         Table::Dynamixel(_) => {
-            let gain = table.register("Position P Gain")?;
-            let shipped = client.read(servo, &gain)?;
-            let most = match gain.range {
-                Range::Between(_, most) => most,
-                _ => shipped,
+            let names = if plan.by_current {
+                ["Goal Current", "Current Limit"]
+            } else {
+                ["Goal PWM", "PWM Limit"]
             };
-            #[expect(
-                clippy::cast_possible_truncation,
-                reason = "it is clamped to the register's range"
-            )]
-            let raised = (f64::from(shipped) * plan.gain).min(f64::from(most)) as i32;
-            (table.register("Goal PWM")?, Some((gain, [shipped, raised])))
+            let [limit, most] = names.map(|name| table.register(name));
+            let (limit, most) = (limit?, client.read(servo, &most?)?);
+            let scale = Scale::of(&limit);
+            let full = if plan.by_current { plan.full_a / scale.step } else { 100.0 / scale.step };
+            (limit, most, full, Some(gain(client, servo, plan)?))
         }
-        Table::Feetech(_) => (table.register("Torque Limit")?, None),
-    };
-    let most = match table {
-        Table::Dynamixel(_) => client.read(servo, &table.register("PWM Limit")?)?,
-        Table::Feetech(_) => client.read(servo, &limit)?,
+        Table::Feetech(_) => {
+            let limit = table.register("Torque Limit")?;
+            (limit, client.read(servo, &limit)?, 100.0 / Scale::of(&limit).step, None)
+        }
     };
     Ok(Registers {
         goal: table.role(Role::GoalPosition)?,
         present: table.role(Role::PresentPosition)?,
         limit,
         most,
+        full,
         gain,
         clock: Clock::of(table)?,
     })
+}
+
+/// Gain of position of a Dynamixel, as it is and as it is while tapped.
+fn gain<E: Exchange>(
+    client: &mut Client<E>,
+    servo: &Servo,
+    plan: &Plan,
+) -> Result<(Item, [i32; 2]), ServiceError> {
+    let gain = servo.table.register("Position P Gain")?;
+    let before = client.read(servo, &gain)?;
+    let most = match gain.range {
+        Range::Between(_, most) => most,
+        _ => before,
+    };
+    #[expect(clippy::cast_possible_truncation, reason = "it is within the register's range")]
+    let raised = (f64::from(before) * plan.gain).min(f64::from(most)) as i32;
+    Ok((gain, [before, raised]))
 }
 
 /// What is set for the time of the test: no profile, and little torque.
@@ -217,9 +195,9 @@ fn settings<E: Exchange>(
         Table::Dynamixel(_) => {
             settings.push((table.register("Profile Velocity")?, 0));
             settings.push((table.register("Profile Acceleration")?, 0));
-            if is_limited_in_current(client, servo)? {
-                let most = client.read(servo, &table.register("Current Limit")?)?;
-                settings.push((table.register("Goal Current")?, most));
+            if plan.by_current {
+                let most = client.read(servo, &table.register("PWM Limit")?)?;
+                settings.push((table.register("Goal PWM")?, most));
             }
         }
         Table::Feetech(_) => {
@@ -230,48 +208,36 @@ fn settings<E: Exchange>(
     Ok(settings)
 }
 
-/// Whether it is a Dynamixel in mode 5, position with a limit of current.
-fn is_limited_in_current<E: Exchange>(
+/// Whether it limits its current in its mode of position: then the tap is a step of current.
+pub(super) fn is_by_current<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
 ) -> Result<bool, ServiceError> {
-    match servo.table {
-        Table::Dynamixel(_) => {
-            Ok(client.read(servo, &servo.table.register("Operating Mode")?)? == 5)
-        }
-        Table::Feetech(_) => Ok(false),
-    }
+    Ok(servo.table.has_current()
+        && client.read(servo, &servo.table.register("Operating Mode")?)? == MODE_CURRENT_POSITION)
 }
 
-/// Refuses to tap where its limits of torque and current leave less than the tap takes: the step would be another.
-fn ensure_strength<E: Exchange>(
-    client: &mut Client<E>,
+/// Refuses to tap where its limit leaves less than the tap takes: the step would be another.
+fn ensure_strength(
     servo: &Servo,
     registers: &Registers,
     plan: &Plan,
 ) -> Result<(), ServiceError> {
-    let refused = |name: &str, has: f64, takes: f64, unit: &str| {
-        let what = format!(
-            "its {name} is {has:.2} {unit}, and this tap takes up to {takes:.2} {unit}: raise it for the test, or \
-             tap with less --strength"
-        );
-        Err(ServiceError::State { id: servo.id, what })
+    let scale = Scale::of(&registers.limit);
+    let takes = registers.counts(plan.most_part());
+    if takes <= registers.most {
+        return Ok(());
+    }
+    let name = match (&servo.table, plan.by_current) {
+        (Table::Feetech(_), _) => "Torque Limit",
+        (_, true) => "Current Limit",
+        _ => "PWM Limit",
     };
-    let [has, takes] = [f64::from(registers.most) / registers.full(), plan.most_part()];
-    if takes > has {
-        let name =
-            if matches!(servo.table, Table::Dynamixel(_)) { "PWM Limit" } else { "Torque Limit" };
-        return refused(name, 100.0 * has, 100.0 * takes, "%");
-    }
-    if is_limited_in_current(client, servo)? {
-        let limit = servo.table.register("Current Limit")?;
-        let has = Scale::of(&limit).quantity(client.read(servo, &limit)?).value;
-        let takes = plan.most_part() * plan.full_a;
-        if takes > has {
-            return refused("Current Limit", has, takes, "A");
-        }
-    }
-    Ok(())
+    let [has, takes] = [registers.most, takes].map(|counts| scale.quantity(counts));
+    let what = format!(
+        "its {name} is {has}, and this tap takes up to {takes}: raise it for the test, or tap with less --strength"
+    );
+    Err(ServiceError::State { id: servo.id, what })
 }
 
 /// Refuses to tap where its limits of position leave no room.
@@ -299,43 +265,17 @@ fn ensure_room<E: Exchange>(
     Ok(())
 }
 
-impl Plan {
-    /// The most of the full torque that it may take; friction takes no more than a tenth, as a rule.
-    pub(super) fn most_part(&self) -> f64 {
-        self.gravity_part + self.preload + self.strength + 0.1
-    }
-
-    /// Returns the plan of a tap: none is as another, so that steps of the encoder are averaged out.
-    fn of_tap(&self, index: u32) -> Self {
-        // Parts of 1 that are spread evenly, whatever their number: those of two irrational numbers.
-        let [time, torque] = [0.618_034, 0.754_878].map(|step| (f64::from(index) * step).fract());
-        Self {
-            strength: self.strength * (1.0 - VARIES * torque),
-            preload: self.preload * (1.0 - VARIES * time),
-            preload_s: self.preload_s * (1.0 - VARIES * time),
-            ..*self
-        }
-    }
-
-    fn back_part(&self) -> f64 {
-        (self.gravity_part + BACK_PART).min(1.0)
-    }
-}
-
 impl Registers {
-    /// Counts of the full torque.
-    fn full(&self) -> f64 {
-        match self.limit.range {
-            Range::Between(_, most) => f64::from(most),
-            _ => 885.0,
-        }
+    /// Counts of a part of the full torque.
+    fn counts(&self, part: f64) -> i32 {
+        #[expect(clippy::cast_possible_truncation, reason = "a part of some thousand counts")]
+        let counts = (part * self.full).round() as i32;
+        counts
     }
 
-    /// Counts of a part of the full torque.
+    /// The same as far as the servo may go.
     fn part(&self, part: f64) -> i32 {
-        #[expect(clippy::cast_possible_truncation, reason = "a part of some hundred counts")]
-        let counts = (part * self.full()).round() as i32;
-        counts.clamp(1, self.most)
+        self.counts(part).clamp(1, self.most.max(1))
     }
 }
 
@@ -388,7 +328,7 @@ fn one<E: Exchange>(
     // Near its goal it gives less than its limit.
     let pushed_rad = plan.way_rad - plan.full_rad * (part + plan.strength);
     let samples = samples.take_while(|[_, position_rad]| *position_rad < pushed_rad);
-    let step = f64::from(after - before) / registers.full();
+    let step = f64::from(after - before) / registers.full;
     Ok((Tap { samples: samples.collect(), step }, reached))
 }
 

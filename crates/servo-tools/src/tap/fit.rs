@@ -10,11 +10,11 @@ use super::joint::{Curves, Joint, Point};
 
 /// One tap: where the shaft was, round a step of torque.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Tap {
+pub(super) struct Tap {
     /// Time since the step was sent, s, and position in the direction of the tap, rad.
-    pub samples: Vec<[f64; 2]>,
+    pub(super) samples: Vec<[f64; 2]>,
     /// The step, a part of the full torque.
-    pub step: f64,
+    pub(super) step: f64,
 }
 
 impl Tap {
@@ -73,7 +73,6 @@ pub(super) fn fit(believed: &Joint, full_nm: f64, taps: &[Tap], count_rad: f64) 
         let shared = Shared::from([stiffness.ln(), damping.ln(), 0.0, 0.0, 0.0]);
         problem.descend(State { shared, delays: vec![0.0; taps.len()] }, 8)
     });
-    if std::env::var("TAP_DEBUG").is_ok() { for s in &starts { println!("start {} {:?}", s.0, s.1.shared.data); } }
     let best = starts.into_iter().min_by(|(a, _), (b, _)| a.total_cmp(b));
     let (_, state) = best.unwrap_or_else(|| (0.0, State::default()));
     problem.result(problem.descend(state, 30))
@@ -313,10 +312,6 @@ impl Problem<'_> {
 
     fn result(&self, (cost, state): (f64, State)) -> Fitted {
         let joint = self.joint(&state.shared);
-        if std::env::var("TAP_DEBUG").is_ok() && self.taps.len() > 20 {
-            let d = SVector::<f64, 50>::from_fn(|i, _| state.delay_s(i) * 1e3);
-            println!("delay ms mean {:.3} sd {:.3} min {:.3} max {:.3} cost {cost}", d.mean(), d.variance().sqrt(), d.min(), d.max());
-        }
         let (_, matrix, _) = self.reduced(&state);
         let readings: usize = self.taps.iter().map(|tap| tap.samples.len()).sum();
         let free = (readings as f64 - (OWN * self.taps.len() + SHARED) as f64).max(1.0);

@@ -7,7 +7,7 @@ use sinew_servo_sim::load::Arm;
 use sinew_servo_sim::model::Parameters;
 use sinew_servo_sim::supply::Supply;
 use sinew_servo_sim::variation::{Change, Variation};
-use sinew_servo_tools::tap::{Settings, Tapped, tap};
+use sinew_servo_tools::tap::{Load, Settings, TapTest, Tapped};
 use sinew_servo_tools::{Client, Protocol, ServiceError, Settings as Patience};
 
 use crate::common::SimLine;
@@ -20,6 +20,7 @@ struct Case {
     /// Part of its stall torque, at level.
     gravity: f64,
     changes: &'static [&'static str],
+    mode: Option<i32>,
 }
 
 impl Case {
@@ -44,19 +45,29 @@ impl Case {
         servo.refine_gear(10);
         let mut line = SimLine::new(&[(self.kind, 1)]);
         line.bench = Bench::new(vec![servo], vec![arm], Supply::stiff(kind.voltage_v));
-        line.bench.run_us(1_000_000);
         let protocol =
             if self.kind.starts_with('S') { Protocol::Feetech } else { Protocol::Dynamixel };
         let mut client = Client::new(line, protocol, 1_000_000, Patience::default()).unwrap();
         let servo = client.open(1, None).unwrap();
-        let settings = Settings { taps, strength, load_kg_m2, gravity_nm: -gravity_nm };
-        tap(&mut client, &servo, &model, &settings, &mut |_| true)
+        let load = Load { inertia_kg_m2: load_kg_m2, gravity_nm: -gravity_nm };
+        let settings = Settings { taps, strength, load };
+        if let Some(mode) = self.mode {
+            client.line_mut().bench.servos_mut()[0].set(11, mode);
+        }
+        if gravity_nm > 0.0 {
+            // It holds what hangs on it.
+            let torque = if self.kind.starts_with('S') { 40 } else { 64 };
+            client.line_mut().bench.servos_mut()[0].set(torque, 1);
+        }
+        let test = TapTest::new(&mut client, &servo, &model, &settings)?;
+        println!("reach {:.1} deg", test.reach_rad().to_degrees());
+        test.run(&mut client, &mut |_| true)
     }
 }
 
 /// Nine cases, three of each kind; the table is printed.
 fn found(kind: &'static str) {
-    let case = |load, gravity, changes| Case { kind, load, gravity, changes };
+    let case = |load, gravity, changes| Case { kind, load, gravity, changes, mode: None };
     let cases = [
         case(1.0, 0.0, &[] as &[&str]),
         case(2.0, 0.1, &["stiffness=0.5", "play=2"]),
@@ -70,7 +81,7 @@ fn found(kind: &'static str) {
         let truth = case.truth();
         let name =
             format!("{} load {} gravity {} {:?}", case.kind, case.load, case.gravity, case.changes);
-        let tapped = match case.tap(0.5, 50) {
+        let tapped = match case.tap(strength(), taps()) {
             Ok(tapped) => tapped,
             Err(error) => {
                 println!("{name}: {error}");
@@ -127,15 +138,17 @@ fn the_gear_of_an_xl430_is_found() {
 fn explore() {
     for line in std::env::var("TAP_CASES").unwrap().split(';') {
         let words: Vec<&str> = line.split_whitespace().collect();
-        let changes: Vec<&'static str> = words[3..].iter().map(|w| &*Box::leak(w.to_string().into_boxed_str())).collect();
+        let mode = words[3..].iter().find_map(|w| w.strip_prefix("mode")).map(|m| m.parse().unwrap());
+        let changes: Vec<&'static str> = words[3..].iter().filter(|w| !w.starts_with("mode")).map(|w| &*Box::leak(w.to_string().into_boxed_str())).collect();
         let case = Case {
             kind: Box::leak(words[0].to_owned().into_boxed_str()),
             load: words[1].parse().unwrap(),
             gravity: words[2].parse().unwrap(),
             changes: Box::leak(changes.into_boxed_slice()),
+            mode,
         };
         let truth = case.truth();
-        match case.tap(0.5, 50) {
+        match case.tap(strength(), taps()) {
             Ok(tapped) => {
                 let joint = tapped.fitted.joint;
                 println!("{line}: K {:+.1} % c {:+.1} %\n   {tapped}", 100.0 * (joint.stiffness_nm_rad / truth.gear_stiffness_nm_rad - 1.0), 100.0 * (joint.damping_nm_s / truth.gear_damping_nm_s - 1.0));
@@ -143,4 +156,12 @@ fn explore() {
             Err(error) => println!("{line}: {error}"),
         }
     }
+}
+
+fn taps() -> u32 {
+    std::env::var("TAP_N").map_or(100, |n| n.parse().unwrap())
+}
+
+fn strength() -> f64 {
+    std::env::var("TAP_S").map_or(0.5, |n| n.parse().unwrap())
 }

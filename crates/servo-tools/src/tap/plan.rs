@@ -1,0 +1,194 @@
+//! How to tap a servo of a kind, by what is believed of it.
+
+use sinew_rig::description::ServoModel;
+
+use super::joint::{Joint, Push};
+use super::{Load, Settings};
+
+/// Which way to tap.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Direction {
+    /// Towards larger positions.
+    Up,
+    /// Towards smaller ones.
+    Down,
+    /// In turn.
+    Both,
+}
+
+/// How to tap.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Plan {
+    /// What is believed of the joint.
+    pub(super) joint: Joint,
+    /// Torque of the motor at standstill with all of its supply, N m: the full torque.
+    pub(super) full_nm: f64,
+    /// Current for it, A.
+    pub(super) full_a: f64,
+    /// Whether the step is one of current; else it is one of the part of the supply.
+    pub(super) by_current: bool,
+    pub(super) taps: u32,
+    pub(super) direction: Direction,
+    /// Step, of the full torque.
+    pub(super) strength: f64,
+    /// It speeds up by so much of its full torque before.
+    pub(super) preload: f64,
+    /// What gravity takes, of the full torque.
+    pub(super) gravity_part: f64,
+    /// What friction at the shaft takes at least, N m.
+    friction_nm: f64,
+    /// How long it speeds up before the step, s.
+    pub(super) preload_s: f64,
+    /// How long to read before the step, s.
+    pub(super) before_s: f64,
+    /// How long to read after the step, s.
+    pub(super) window_s: f64,
+    /// Factor on the gain of position.
+    pub(super) gain: f64,
+    /// How far away its goal is meanwhile, rad: it does not get there.
+    pub(super) way_rad: f64,
+    /// Error of position at which it gives all that it has, rad.
+    pub(super) full_rad: f64,
+}
+
+/// Part of its full torque with which a servo speeds up before the step.
+const PRELOAD: f64 = 0.1;
+/// Periods of the believed ring that it does so for, within these times, s.
+const PRELOAD_PERIODS: f64 = 1.5;
+const PRELOAD_S: [f64; 2] = [0.03, 0.15];
+/// Part of a period that is read before the step, within these times, s.
+const BEFORE_PERIODS: f64 = 0.8;
+const BEFORE_S: [f64; 2] = [0.02, 0.06];
+/// Periods of the believed ring that are read after it, within these times, s.
+const WINDOW_PERIODS: f64 = 2.0;
+const WINDOW_S: [f64; 2] = [0.03, 0.15];
+/// Error of position at which a servo gives all it has, rad; its gain is raised for it where it can be.
+const FULL_RAD: f64 = 0.12;
+/// How far it creeps at most until it is seen, and what it goes further meanwhile by the speed that it has then, rad.
+const CREEP_RAD: f64 = 0.05;
+const WAY_MARGIN: f64 = 1.15;
+/// A joint whose gravity is more than this many times its servo's friction is tapped against gravity only: the other
+/// way gravity would take its teeth apart.
+const GRAVITY_FRICTIONS: f64 = 2.0;
+/// It goes back with so much more than gravity takes, of its full torque.
+const BACK_PART: f64 = 0.3;
+/// What friction takes as a rule, of the full torque.
+const FRICTION_PART: f64 = 0.1;
+/// Part of what is believed of the friction at the shaft that is there for sure.
+const SURE_FRICTION: f64 = 0.5;
+/// Part by which taps differ from each other.
+const VARIES: f64 = 0.2;
+
+impl Plan {
+    /// Plans. A servo that stands without torque has no gravity that its friction does not hold.
+    pub(super) fn new(model: &ServoModel, settings: &Settings, by_current: bool, was_on: bool) -> Self {
+        let (joint, full_nm) = believed(model, &settings.load, by_current);
+        let gravity_nm = if was_on { settings.load.gravity_nm } else { 0.0 };
+        let friction_nm = model.friction_nm.value;
+        let direction = match (gravity_nm.abs() > GRAVITY_FRICTIONS * friction_nm, gravity_nm > 0.0) {
+            (false, _) => Direction::Both,
+            (true, true) => Direction::Down,
+            (true, false) => Direction::Up,
+        };
+        let periods =
+            |count: f64, [least, most]: [f64; 2]| (count * joint.period_s()).clamp(least, most);
+        let gain = model.stall_torque_nm.value / FULL_RAD / model.position_gain_nm_rad.value.max(1e-3);
+        let mut plan = Self {
+            joint,
+            full_nm,
+            full_a: model.stall_current_a.value,
+            by_current,
+            taps: settings.taps,
+            direction,
+            strength: settings.strength,
+            preload: PRELOAD,
+            gravity_part: gravity_nm.abs() / full_nm,
+            friction_nm: SURE_FRICTION * model.output_friction_share() * friction_nm,
+            preload_s: periods(PRELOAD_PERIODS, PRELOAD_S),
+            before_s: periods(BEFORE_PERIODS, BEFORE_S),
+            window_s: periods(WINDOW_PERIODS, WINDOW_S),
+            gain: gain.max(1.0),
+            way_rad: 0.0,
+            full_rad: FULL_RAD,
+        };
+        let way_rad = if by_current {
+            // At this speed its supply drives the current no more.
+            let part = plan.gravity_part + plan.preload + plan.strength + FRICTION_PART;
+            let most_rad_s = (1.0 - part).max(0.0) * model.no_load_speed_rad_s.value;
+            plan.way_until(most_rad_s)
+        } else {
+            plan.way_until(f64::INFINITY)
+        };
+        plan.way_rad = WAY_MARGIN * way_rad + CREEP_RAD + FULL_RAD * plan.most_part().min(1.0);
+        plan
+    }
+
+    /// Ends the readings where a rigid joint without friction would reach this speed, and returns how far it would go
+    /// until then, rad.
+    fn way_until(&mut self, most_rad_s: f64) -> f64 {
+        const STEP_S: f64 = 5e-4;
+        let inertia_kg_m2 = self.joint.rotor_kg_m2 + self.joint.load_kg_m2;
+        let [mut time_s, mut speed_rad_s, mut way_rad] = [-self.preload_s, 0.0, 0.0];
+        while time_s < self.window_s && speed_rad_s < most_rad_s {
+            let step = if time_s < 0.0 { 0.0 } else { self.strength };
+            // Implicit: stable whatever the drag.
+            speed_rad_s += STEP_S * (self.preload + step) * self.full_nm / inertia_kg_m2;
+            speed_rad_s /= 1.0 + STEP_S * self.joint.drag_nm_s / inertia_kg_m2;
+            way_rad += STEP_S * speed_rad_s;
+            time_s += STEP_S;
+        }
+        self.window_s = self.window_s.min(time_s.max(0.0));
+        way_rad
+    }
+
+    /// Returns the plan of a tap: none is as another, so that steps of the encoder are averaged out.
+    pub(super) fn of_tap(&self, index: u32) -> Self {
+        // Parts of 1 that are spread evenly, whatever their number: those of two irrational numbers.
+        let [time, torque] = [0.618_034, 0.754_878].map(|step| (f64::from(index) * step).fract());
+        Self {
+            strength: self.strength * (1.0 - VARIES * torque),
+            preload: self.preload * (1.0 - VARIES * time),
+            preload_s: self.preload_s * (1.0 - VARIES * time),
+            ..*self
+        }
+    }
+
+    /// Returns the most of the full torque that it takes, as a rule.
+    pub(super) fn most_part(&self) -> f64 {
+        self.gravity_part + self.preload + self.strength + FRICTION_PART
+    }
+
+    /// Returns the part of the full torque with which it goes back.
+    pub(super) fn back_part(&self) -> f64 {
+        (self.gravity_part + BACK_PART).min(1.0)
+    }
+
+    /// Returns the torques of the weakest tap.
+    pub(super) fn push(&self) -> Push {
+        Push {
+            preload_nm: self.preload * (1.0 - VARIES) * self.full_nm,
+            preload_s: self.preload_s,
+            step_nm: self.strength * self.full_nm,
+            held_nm: self.friction_nm + self.gravity_part * self.full_nm,
+        }
+    }
+}
+
+/// Returns what is believed of a joint before it is tapped, and its motor's torque at standstill, N m.
+fn believed(model: &ServoModel, load: &Load, by_current: bool) -> (Joint, f64) {
+    // At no-load speed w the supply gives back-EMF k w and the current that friction f takes, f / k.
+    let [volts, speed] = [model.voltage_v.value, model.no_load_speed_rad_s.value];
+    let resistance_ohm = volts / model.stall_current_a.value;
+    let friction_nm = model.friction_nm.value + model.damping_nm_s.value * speed;
+    let square = (volts * volts - 4.0 * speed * resistance_ohm * friction_nm).max(0.0);
+    let back_emf = 0.5 * (volts + square.sqrt()) / speed;
+    let braking_nm_s = if by_current { 0.0 } else { back_emf * back_emf / resistance_ohm };
+    let joint = Joint {
+        rotor_kg_m2: model.rotor_inertia_kg_m2.value,
+        load_kg_m2: load.inertia_kg_m2,
+        stiffness_nm_rad: model.gear_stiffness(),
+        damping_nm_s: model.gear_damping(),
+        drag_nm_s: model.damping_nm_s.value + braking_nm_s,
+    };
+    (joint, back_emf * model.stall_current_a.value)
+}

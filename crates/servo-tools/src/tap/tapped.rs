@@ -1,0 +1,203 @@
+//! What a tap test came to, and whether that is a result.
+
+use std::fmt;
+
+use super::act::Recorded;
+use super::fit::{Fitted, fit, refit};
+use super::plan::Plan;
+use super::{Joint, PARTS, Tap};
+
+/// A ring whose first swing is smaller cannot be seen, counts of the encoder.
+const LEAST_COUNTS: f64 = 0.2;
+/// A ring that is damped by more than this part of what is critical is none.
+const MOST_DAMPING_RATIO: f64 = 0.8;
+/// Largest standard error of a result that is one, as a part.
+const MOST_ERROR: f64 = 0.1;
+/// Readings that a period of the ring needs.
+const LEAST_READINGS: f64 = 4.0;
+/// Largest deviation of readings from what a rotor, a gear and a load do, counts: a time that is off by a millisecond
+/// makes no more.
+const MOST_NOISE_COUNTS: f64 = 1.0;
+/// What the motor's torque may be beside what is known of its kind. Friction that grows with the load takes some 15 %.
+const TORQUE_RATIOS: [f64; 2] = [0.6, 1.3];
+
+/// What a tap test came to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tapped {
+    /// Stiffness and damping, of all taps.
+    pub fitted: Fitted,
+    /// Standard errors of stiffness and damping, as parts: by the readings, or by how [`Self::parts`] differ if that is
+    /// more.
+    pub errors: [f64; 2],
+    /// The same of each of [`PARTS`] parts of the taps.
+    pub parts: Vec<Fitted>,
+    /// Number of taps.
+    pub taps: usize,
+    /// Mean time between readings, s.
+    pub reading_s: f64,
+    /// How far it was from where it stood, rad.
+    pub farthest_rad: f64,
+    /// Torque of the motor at standstill by what is known of its kind, N m.
+    pub believed_full_nm: f64,
+}
+
+impl Tapped {
+    pub(super) fn of(plan: &Plan, recorded: &Recorded, count_rad: f64) -> Self {
+        let (fitted, taps) = while_it_pushes(plan, &recorded.taps, count_rad);
+        let parts: Vec<Fitted> = (0..PARTS.min(taps.len()))
+            .map(|part| {
+                // Both directions are in each: taps go up and down in turn.
+                let own: Vec<Tap> = taps.iter().skip(part).step_by(PARTS).cloned().collect();
+                refit(&plan.joint, &fitted, &own, count_rad)
+            })
+            .collect();
+        let logs = |of: fn(&Joint) -> f64| parts.iter().map(|part| of(&part.joint).ln()).collect();
+        let spreads: [Vec<f64>; 2] =
+            [logs(|joint| joint.stiffness_nm_rad), logs(|joint| joint.damping_nm_s)];
+        let [mut gaps, mut time_s] = [0.0; 2];
+        for tap in &taps {
+            gaps += tap.samples.len().saturating_sub(1) as f64;
+            let ends = tap.samples.first().zip(tap.samples.last());
+            time_s += ends.map_or(0.0, |(first, last)| last[0] - first[0]);
+        }
+        let [stiffness, damping] = fitted.errors;
+        Self {
+            errors: [
+                stiffness.max(error_of_mean(&spreads[0])),
+                damping.max(error_of_mean(&spreads[1])),
+            ],
+            fitted,
+            parts,
+            taps: taps.len(),
+            reading_s: time_s / gaps.max(1.0),
+            farthest_rad: recorded.farthest_rad,
+            believed_full_nm: plan.full_nm,
+        }
+    }
+
+    /// Says why the ring tells nothing, if it does not.
+    pub(super) fn check(&self, can_limit_current: bool) -> Result<(), String> {
+        let Fitted { joint, ring_counts, noise_counts, full_nm, .. } = self.fitted;
+        let period_s = joint.period_s();
+        let ratio = joint.damping_ratio();
+        let [rotor, load] = [joint.rotor_kg_m2, joint.load_kg_m2];
+        let by_current = if can_limit_current {
+            ". In its mode 5, position with a limit of current, nothing brakes the rotor while it rings \
+             (`sinew servo apply --mode current-position`)"
+        } else {
+            ""
+        };
+        if period_s < LEAST_READINGS * self.reading_s {
+            return Err(format!(
+                "the shaft rings with {:.0} Hz, and is read {:.0} times a second: too seldom. A higher baud rate, a \
+                 shorter Return Delay Time (`sinew servo apply`) or an adapter with less latency helps",
+                1.0 / period_s,
+                1.0 / self.reading_s
+            ));
+        }
+        if ring_counts < LEAST_COUNTS {
+            return Err(format!(
+                "the shaft rings by {ring_counts:.2} counts of its encoder, which sees none below {LEAST_COUNTS}. A \
+                 load as heavy as its rotor ({rotor:.5} kg m2; it has {load:.5}) rings most; a larger --strength helps, \
+                 too{by_current}"
+            ));
+        }
+        if ratio > MOST_DAMPING_RATIO {
+            return Err(format!(
+                "the shaft does not ring: its damping is {ratio:.2} of what is critical, and more than \
+                 {MOST_DAMPING_RATIO} cannot be told from a soft gear. A heavier load is damped less{by_current}"
+            ));
+        }
+        if noise_counts > MOST_NOISE_COUNTS {
+            return Err(format!(
+                "readings are {noise_counts:.1} counts from what a rotor, a gear and a load do, where an encoder's \
+                 steps make 0.3: the load shakes by itself, or its other joints do; or replies come too irregularly"
+            ));
+        }
+        let worst = self.errors[0].max(self.errors[1]);
+        // Not a number is none.
+        if !(worst <= MOST_ERROR) {
+            let percent = 100.0 * MOST_ERROR;
+            let found = if worst < 1.0 {
+                format!("{:.0} %", 100.0 * worst)
+            } else {
+                "more than 100 %".to_owned()
+            };
+            return Err(format!(
+                "the taps tell too little, or disagree: the standard error of stiffness or damping is {found}, and a \
+                 result has {percent:.0} % at most. The ring is {ring_counts:.1} counts of the encoder high. More \
+                 --taps help, a larger --strength, and a load of some times its rotor's inertia ({rotor:.5} kg m2; it \
+                 has {load:.5}) that nothing else shakes{by_current}"
+            ));
+        }
+        let torque = full_nm / self.believed_full_nm;
+        if !(TORQUE_RATIOS[0]..=TORQUE_RATIOS[1]).contains(&torque) {
+            return Err(format!(
+                "it speeds up as if its motor had {:.0} % of the torque that its kind has: the inertia of what hangs on \
+                 it is not {load:.5} kg m2, or its supply is not that of its kind. Stiffness would be wrong by about as \
+                 much",
+                100.0 * torque
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// Fits what was read while the gear pushed. How long that is follows from the fit, so it is fitted again.
+fn while_it_pushes(plan: &Plan, taps: &[Tap], count_rad: f64) -> (Fitted, Vec<Tap>) {
+    let longest_s = taps.iter().filter_map(|tap| tap.samples.last()).map(|last| last[0]);
+    let longest_s = longest_s.fold(0.0, f64::max);
+    let mut contact_s = plan.joint.contact_s(&plan.push(), longest_s);
+    loop {
+        let within: Vec<Tap> = taps.iter().map(|tap| tap.until(contact_s)).collect();
+        let fitted = fit(&plan.joint, plan.full_nm, &within, count_rad);
+        let found_s = fitted.joint.contact_s(&plan.push(), longest_s);
+        // Shorter in each round, by a step of the curves at least.
+        if found_s >= contact_s {
+            return (fitted, within);
+        }
+        contact_s = found_s;
+    }
+}
+
+/// Standard error of the mean of some numbers; not a number for fewer than two.
+fn error_of_mean(numbers: &[f64]) -> f64 {
+    let count = numbers.len() as f64;
+    let mean = numbers.iter().sum::<f64>() / count;
+    let squares: f64 = numbers.iter().map(|number| (number - mean) * (number - mean)).sum();
+    (squares / (count - 1.0) / count).sqrt()
+}
+
+/// As a table: what was found, and how sure it is.
+impl fmt::Display for Tapped {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Fitted { joint, ring_counts, noise_counts, .. } = self.fitted;
+        let ends = |of: fn(&Joint) -> f64| {
+            let all = || self.parts.iter().map(|part| of(&part.joint));
+            [all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max)]
+        };
+        let [softest, stiffest] = ends(|joint| joint.stiffness_nm_rad);
+        let [least, most] = ends(|joint| joint.damping_nm_s);
+        let percent = self.errors.map(|error| 100.0 * error);
+        writeln!(
+            f,
+            "stiffness {:.1} N m/rad, +- {:.1} %; {PARTS} parts of the taps have {softest:.1} to {stiffest:.1}",
+            joint.stiffness_nm_rad, percent[0]
+        )?;
+        writeln!(
+            f,
+            "damping {:.4} N m s, +- {:.1} %; {PARTS} parts have {least:.4} to {most:.4}",
+            joint.damping_nm_s, percent[1]
+        )?;
+        write!(
+            f,
+            "it rings with {:.1} Hz, at {:.2} of the critical damping, by {ring_counts:.1} counts of its encoder \
+             (readings are {noise_counts:.2} off); {} taps, {:.0} readings a second, {:.1} deg at most",
+            1.0 / joint.period_s(),
+            joint.damping_ratio(),
+            self.taps,
+            1.0 / self.reading_s,
+            self.farthest_rad.to_degrees()
+        )
+    }
+}
