@@ -326,7 +326,7 @@ fn one<E: Exchange>(
         [time_s, f64::from(sign * (counts - held)) * count_rad]
     });
     // Near its goal it gives less than its limit.
-    let pushed_rad = plan.way_rad - plan.full_rad * (part + plan.strength);
+    let pushed_rad = plan.way_rad - plan.lead_rad(part + plan.strength);
     let samples = samples.take_while(|[_, position_rad]| *position_rad < pushed_rad);
     let step = f64::from(after - before) / registers.full;
     Ok((Tap { samples: samples.collect(), step }, reached))

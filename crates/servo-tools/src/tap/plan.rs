@@ -47,12 +47,12 @@ pub(super) struct Plan {
     pub(super) gain: f64,
     /// How far away its goal is meanwhile, rad: it does not get there.
     pub(super) way_rad: f64,
-    /// Error of position at which it gives all that it has, rad.
-    pub(super) full_rad: f64,
 }
 
-/// Part of its full torque with which a servo speeds up before the step.
+/// Part of its full torque with which a servo speeds up before the step: by its part of the supply, and by current, where
+/// nothing but friction brakes it.
 const PRELOAD: f64 = 0.1;
+const PRELOAD_BY_CURRENT: f64 = 0.03;
 /// Periods of the believed ring that it does so for, within these times, s.
 const PRELOAD_PERIODS: f64 = 1.5;
 const PRELOAD_S: [f64; 2] = [0.03, 0.15];
@@ -101,7 +101,7 @@ impl Plan {
             taps: settings.taps,
             direction,
             strength: settings.strength,
-            preload: PRELOAD,
+            preload: if by_current { PRELOAD_BY_CURRENT } else { PRELOAD },
             gravity_part: gravity_nm.abs() / full_nm,
             friction_nm: SURE_FRICTION * model.output_friction_share() * friction_nm,
             preload_s: periods(PRELOAD_PERIODS, PRELOAD_S),
@@ -109,7 +109,6 @@ impl Plan {
             window_s: periods(WINDOW_PERIODS, WINDOW_S),
             gain: gain.max(1.0),
             way_rad: 0.0,
-            full_rad: FULL_RAD,
         };
         let way_rad = if by_current {
             // At this speed its supply drives the current no more.
@@ -119,7 +118,7 @@ impl Plan {
         } else {
             plan.way_until(f64::INFINITY)
         };
-        plan.way_rad = WAY_MARGIN * way_rad + CREEP_RAD + FULL_RAD * plan.most_part().min(1.0);
+        plan.way_rad = WAY_MARGIN * way_rad + CREEP_RAD + plan.lead_rad(plan.most_part().min(1.0));
         plan
     }
 
@@ -151,6 +150,12 @@ impl Plan {
             preload_s: self.preload_s * (1.0 - VARIES * time),
             ..*self
         }
+    }
+
+    /// Returns how far ahead its goal must be for a part of the full torque, rad. A current takes all of the supply, as
+    /// soon as it is fast.
+    pub(super) fn lead_rad(&self, part: f64) -> f64 {
+        FULL_RAD * if self.by_current { 1.0 } else { part }
     }
 
     /// Returns the most of the full torque that it takes, as a rule.
