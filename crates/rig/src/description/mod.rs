@@ -22,7 +22,7 @@ pub use drive::{Drive, DriveKind};
 pub use error::{DescriptionError, Path, Step};
 pub use joint::{Joint, JointType, LinkedLimit};
 pub use mount::{Base, Mount, Supply};
-pub use servo::{Servo, ServoModel, SourcedValue};
+pub use servo::{MotorFigures, Servo, ServoModel, SourcedValue};
 pub(crate) use unit::is_angle;
 
 pub use crate::servo::{Address, SignalLoss};

@@ -164,20 +164,10 @@ impl Parameters {
             let motor_nm = (stall_nm * (1.0 + load.value) + stiction_nm) / (1.0 - load.value);
             (motor_nm / amps, load.value)
         } else {
-            // k w + R f / k = V, where friction f is overcome by the motor alone: f / (1 - load friction). The motor's
-            // share is found with it, in a few rounds.
-            let speed = model.no_load_speed_rad_s.value;
-            let drag_nm = coulomb_nm + damping.value * speed;
-            let (mut constant, mut load) = (volts / speed, 0.0);
-            for _ in 0..ROUNDS {
-                let square = volts * volts - 4.0 * speed * resistance * drag_nm / (1.0 - load);
-                if square < 0.0 {
-                    return contradiction("friction is too large for its no-load speed");
-                }
-                constant = (volts + libm::sqrt(square)) / (2.0 * speed);
-                load = (constant * amps - stiction_nm - stall_nm) / (constant * amps + stall_nm);
-            }
-            (constant, load)
+            let Some(motor) = model.motor(stiction_nm) else {
+                return contradiction("friction is too large for its no-load speed");
+            };
+            (motor.torque_constant_nm_a, motor.load_friction)
         };
         if !(0.0..0.6).contains(&load_friction) {
             return contradiction("its stall torque does not go with its current and its speed");
@@ -217,9 +207,6 @@ impl Parameters {
         })
     }
 }
-
-/// Each makes the error smaller by the load friction's share of the drag, which is below a half.
-const ROUNDS: usize = 60;
 
 impl Extra {
     fn built_in(name: &str) -> Result<Self, ParametersError> {

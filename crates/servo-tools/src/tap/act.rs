@@ -307,7 +307,8 @@ fn one<E: Exchange>(
     }
     store(client, servo, &registers.goal, held + sign * way)?;
     let mut part = creep(client, servo, registers, plan, (start, sign))?;
-    // It speeds up: so its teeth touch, whatever the play.
+    // Its teeth have met, and come to rest on each other. Then it speeds up, and keeps them so.
+    client.pause(Duration::from_secs_f64(plan.meet_s));
     part += plan.preload;
     put(client, servo, &registers.limit, registers.part(part))?;
     client.pause(Duration::from_secs_f64((plan.preload_s - plan.before_s).max(0.0)));

@@ -339,7 +339,7 @@ mod tests {
     #[test]
     fn synth() {
         let count = 1.53398e-3;
-        let truth = Joint { rotor_kg_m2: 0.005, load_kg_m2: 0.005, stiffness_nm_rad: 285.8, damping_nm_s: 0.359, drag_nm_s: 0.43 };
+        let truth = Joint { rotor_kg_m2: 0.005, load_kg_m2: 0.005, stiffness_nm_rad: 285.8, damping_nm_s: 0.359, drag_nm_s: 0.43, load_frictions: [0.0; 2] };
         let believed = Joint { stiffness_nm_rad: 142.9, drag_nm_s: 0.45, ..truth };
         let curves = truth.curves(0.2);
         let mut seed = 7_u64;

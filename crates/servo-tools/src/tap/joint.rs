@@ -28,6 +28,8 @@ pub struct Joint {
     pub damping_nm_s: f64,
     /// Viscous friction and back-EMF at the rotor, N m s.
     pub drag_nm_s: f64,
+    /// Friction per torque of motor and gear, at the rotor and at the shaft.
+    pub load_frictions: [f64; 2],
 }
 
 /// Part of the most with which the gear pushes below which it may push no more.
@@ -67,13 +69,18 @@ impl Joint {
     pub(super) fn curves(&self, until_s: f64) -> Curves {
         let [stiffness, damping] = [self.stiffness_nm_rad, self.damping_nm_s];
         let [rotor, load] = [self.rotor_kg_m2, self.load_kg_m2];
-        // Positions and speeds of rotor and shaft, and a torque at the rotor that stays.
+        // Positions and speeds of rotor and shaft, and a torque of the motor that stays. All torques and speeds have one
+        // sign, so friction that grows with torques is a part of each.
+        let [at_rotor, at_shaft] = self.load_frictions;
+        let [pushed, pulled] = [(1.0 - at_rotor) / rotor, (1.0 + at_rotor) / rotor];
+        let [carried, rubbed] = [(1.0 - at_shaft) / load, -at_shaft / load];
+        let drag = self.drag_nm_s;
         #[rustfmt::skip]
         let rates = SMatrix::<f64, 5, 5>::from_row_slice(&[
             0.0, 1.0, 0.0, 0.0, 0.0,
-            -stiffness / rotor, -(damping + self.drag_nm_s) / rotor, stiffness / rotor, damping / rotor, 1.0 / rotor,
+            -stiffness * pulled, -damping * pulled - drag * pushed, stiffness * pulled, damping * pulled, pushed,
             0.0, 0.0, 0.0, 1.0, 0.0,
-            stiffness / load, damping / load, -stiffness / load, -damping / load, 0.0,
+            stiffness * carried, damping * carried - drag * rubbed, -stiffness * carried, -damping * carried, rubbed,
             0.0, 0.0, 0.0, 0.0, 0.0,
         ]);
         let step = (rates * Curves::STEP_S).exp();

@@ -1,6 +1,6 @@
 //! How to tap a servo of a kind, by what is believed of it.
 
-use sinew_rig::description::ServoModel;
+use sinew_rig::description::{MotorFigures, ServoModel};
 
 use super::joint::{Joint, Push};
 use super::{Load, Settings};
@@ -37,6 +37,8 @@ pub(super) struct Plan {
     pub(super) gravity_part: f64,
     /// What friction at the shaft takes at least, N m.
     friction_nm: f64,
+    /// How long it creeps before, s.
+    pub(super) meet_s: f64,
     /// How long it speeds up before the step, s.
     pub(super) preload_s: f64,
     /// How long to read before the step, s.
@@ -53,7 +55,10 @@ pub(super) struct Plan {
 /// nothing but friction brakes it.
 const PRELOAD: f64 = 0.1;
 const PRELOAD_BY_CURRENT: f64 = 0.03;
-/// Periods of the believed ring that it does so for, within these times, s.
+/// Periods of the believed ring that it creeps for before, within these times, s.
+const MEET_PERIODS: f64 = 1.0;
+const MEET_S: [f64; 2] = [0.02, 0.1];
+/// Periods of the believed ring that it speeds up for, within these times, s.
 const PRELOAD_PERIODS: f64 = 1.5;
 const PRELOAD_S: [f64; 2] = [0.03, 0.15];
 /// Part of a period that is read before the step, within these times, s.
@@ -104,6 +109,7 @@ impl Plan {
             preload: if by_current { PRELOAD_BY_CURRENT } else { PRELOAD },
             gravity_part: gravity_nm.abs() / full_nm,
             friction_nm: SURE_FRICTION * model.output_friction_share() * friction_nm,
+            meet_s: periods(MEET_PERIODS, MEET_S),
             preload_s: periods(PRELOAD_PERIODS, PRELOAD_S),
             before_s: periods(BEFORE_PERIODS, BEFORE_S),
             window_s: periods(WINDOW_PERIODS, WINDOW_S),
@@ -179,21 +185,28 @@ impl Plan {
     }
 }
 
+/// Friction per torque where the maker's figures say nothing of it, as where a program caps the speed.
+const LOAD_FRICTION: f64 = 0.1;
+
 /// Returns what is believed of a joint before it is tapped, and its motor's torque at standstill, N m.
 fn believed(model: &ServoModel, load: &Load, by_current: bool) -> (Joint, f64) {
-    // At no-load speed w the supply gives back-EMF k w and the current that friction f takes, f / k.
-    let [volts, speed] = [model.voltage_v.value, model.no_load_speed_rad_s.value];
-    let resistance_ohm = volts / model.stall_current_a.value;
-    let friction_nm = model.friction_nm.value + model.damping_nm_s.value * speed;
-    let square = (volts * volts - 4.0 * speed * resistance_ohm * friction_nm).max(0.0);
-    let back_emf = 0.5 * (volts + square.sqrt()) / speed;
-    let braking_nm_s = if by_current { 0.0 } else { back_emf * back_emf / resistance_ohm };
+    let [volts, amps] = [model.voltage_v.value, model.stall_current_a.value];
+    let stall_nm = model.stall_torque_nm.value;
+    let figures = model.motor(model.friction_nm.value);
+    let motor = figures.filter(|motor| (0.0..0.6).contains(&motor.load_friction)).unwrap_or(MotorFigures {
+        torque_constant_nm_a: stall_nm * (1.0 + LOAD_FRICTION) / (1.0 - LOAD_FRICTION) / amps,
+        load_friction: LOAD_FRICTION,
+    });
+    let constant = motor.torque_constant_nm_a;
+    let braking_nm_s = if by_current { 0.0 } else { constant * constant * amps / volts };
+    let at_shaft = model.output_friction_share();
     let joint = Joint {
         rotor_kg_m2: model.rotor_inertia_kg_m2.value,
         load_kg_m2: load.inertia_kg_m2,
         stiffness_nm_rad: model.gear_stiffness(),
         damping_nm_s: model.gear_damping(),
         drag_nm_s: model.damping_nm_s.value + braking_nm_s,
+        load_frictions: [1.0 - at_shaft, at_shaft].map(|share| share * motor.load_friction),
     };
-    (joint, back_emf * model.stall_current_a.value)
+    (joint, constant * amps)
 }

@@ -42,7 +42,7 @@ impl Case {
         let memory = Box::leak(Box::new([0; MEMORY_LEN]));
         let mut servo = SimServo::new(&kind, 1, memory).unwrap();
         servo.set_baud(1_000_000).unwrap();
-        servo.refine_gear(10);
+        servo.refine_gear(20);
         let mut line = SimLine::new(&[(self.kind, 1)]);
         line.bench = Bench::new(vec![servo], vec![arm], Supply::stiff(kind.voltage_v));
         let protocol =
