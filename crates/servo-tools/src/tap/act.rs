@@ -384,27 +384,37 @@ fn back<E: Exchange>(
     if let Some((gain, [shipped, _])) = &registers.gain {
         store(client, servo, gain, *shipped)?;
     }
-    settle(client, servo, registers)?;
+    settle(client, servo, registers, plan)?;
     Ok(reached)
 }
 
-/// Waits until it stands.
+/// Waits until it stands. Where its gear has much play it would swing round its goal for long: weak as it is then, its
+/// friction stops it.
 fn settle<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
     registers: &Registers,
+    plan: &Plan,
 ) -> Result<(), ServiceError> {
     client.pause(SETTLE);
+    store(client, servo, &registers.limit, registers.part(plan.calm_part()))?;
     let end = client.now() + MOST_SETTLE;
     let mut ends = [client.read(servo, &registers.present)?; 2];
     let mut since = client.now();
-    while client.now() < since + STANDS && client.now() < end {
+    while client.now() < since + STANDS {
         client.pause(RAMP);
         let now = client.read(servo, &registers.present)?;
         ends = [ends[0].min(now), ends[1].max(now)];
         if ends[1] - ends[0] > 1 {
             ends = [now; 2];
             since = client.now();
+        }
+        if client.now() > end {
+            let what = format!(
+                "it does not come to rest within {} s after a tap: something moves it, or it swings round its goal",
+                MOST_SETTLE.as_secs()
+            );
+            return Err(ServiceError::State { id: servo.id, what });
         }
     }
     Ok(())

@@ -100,6 +100,7 @@ impl Joint {
             points.push(Point {
                 free: [coast[2], windup[2], unwinding[2], pushed[2]],
                 pushed_rad_s: pushed[3],
+                gear_nm: stiffness * (pushed[0] - pushed[2]) + damping * (pushed[1] - pushed[3]),
             });
             states = states.map(|state| step * state);
         }
@@ -112,11 +113,9 @@ impl Joint {
         let curves = self.curves(until_s + push.preload_s);
         let [mut most_nm, mut time_s]: [f64; 2] = [0.0; 2];
         while time_s < until_s {
-            let [before, after] = [0.0, Curves::STEP_S].map(|more_s| {
-                push.preload_nm * curves.at(time_s + push.preload_s + more_s).pushed_rad_s
-                    + push.step_nm * curves.at(time_s + more_s).pushed_rad_s
-            });
-            let gear_nm = self.load_kg_m2 * (after - before) / Curves::STEP_S + push.held_nm;
+            let gear_nm = push.preload_nm * curves.at(time_s + push.preload_s).gear_nm
+                + push.step_nm * curves.at(time_s).gear_nm
+                + push.held_nm;
             most_nm = most_nm.max(gear_nm);
             if gear_nm < LEAST_PUSH * most_nm {
                 break;
@@ -139,6 +138,8 @@ pub(super) struct Point {
     pub(super) free: [f64; 4],
     /// Speed of the last of these, rad/s.
     pub(super) pushed_rad_s: f64,
+    /// Torque of the gear meanwhile, N m.
+    gear_nm: f64,
 }
 
 impl Curves {
@@ -165,6 +166,7 @@ impl Curves {
         Point {
             free: std::array::from_fn(|at| between(before.free[at], after.free[at])),
             pushed_rad_s: between(before.pushed_rad_s, after.pushed_rad_s),
+            gear_nm: between(before.gear_nm, after.gear_nm),
         }
     }
 }

@@ -77,6 +77,8 @@ const WAY_MARGIN: f64 = 1.15;
 const GRAVITY_FRICTIONS: f64 = 2.0;
 /// It goes back with so much more than gravity takes, of its full torque.
 const BACK_PART: f64 = 0.3;
+/// It stands with so much more.
+const CALM_PART: f64 = 0.04;
 /// What friction takes as a rule, of the full torque.
 const FRICTION_PART: f64 = 0.1;
 /// Part of what is believed of the friction at the shaft that is there for sure.
@@ -172,6 +174,11 @@ impl Plan {
     /// Returns the part of the full torque with which it goes back.
     pub(super) fn back_part(&self) -> f64 {
         (self.gravity_part + BACK_PART).min(1.0)
+    }
+
+    /// Returns the part of the full torque with which it stands.
+    pub(super) fn calm_part(&self) -> f64 {
+        self.gravity_part + CALM_PART
     }
 
     /// Returns the torques of the weakest tap.
