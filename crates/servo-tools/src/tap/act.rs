@@ -330,7 +330,7 @@ fn one<E: Exchange>(
     let pushed_rad = plan.way_rad - plan.lead_rad(part + plan.strength);
     let samples = samples.take_while(|[_, position_rad]| *position_rad < pushed_rad);
     let step = f64::from(after - before) / registers.full;
-    Ok((Tap { samples: samples.collect(), step }, reached))
+    Ok((Tap { samples: samples.collect(), step, meet_s: plan.meet_s }, reached))
 }
 
 /// Raises its torque until it moves. Returns the part of the full torque that this takes.

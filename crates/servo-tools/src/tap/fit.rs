@@ -15,13 +15,15 @@ pub(super) struct Tap {
     pub(super) samples: Vec<[f64; 2]>,
     /// The step, a part of the full torque.
     pub(super) step: f64,
+    /// How long its teeth had to come to rest on each other, s.
+    pub(super) meet_s: f64,
 }
 
 impl Tap {
     /// Returns what was read until a time, s.
     pub(super) fn until(&self, time_s: f64) -> Self {
         let samples = self.samples.iter().take_while(|[time, _]| *time < time_s);
-        Self { samples: samples.copied().collect(), step: self.step }
+        Self { samples: samples.copied().collect(), step: self.step, meet_s: self.meet_s }
     }
 }
 
@@ -352,7 +354,7 @@ mod tests {
                     let x = x0 + v0 * curves.at(t + 0.04).free[0] + 0.1 * 2.6 * curves.at(t + 0.039).free[3] + 0.5 * 2.6 * curves.at(t - delay).free[3];
                     [t, (x / count).round() * count]
                 }).collect();
-                Tap { samples, step: 0.5 }
+                Tap { samples, step: 0.5, meet_s: 0.1 }
             }).collect();
             let f = fit(&believed, 2.85, &taps, count);
             println!("round {round} K {:.3} c {:.3} {f:?}", f.joint.stiffness_nm_rad / truth.stiffness_nm_rad, f.joint.damping_nm_s / truth.damping_nm_s);

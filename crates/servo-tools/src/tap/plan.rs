@@ -37,7 +37,7 @@ pub(super) struct Plan {
     pub(super) gravity_part: f64,
     /// What friction at the shaft takes at least, N m.
     friction_nm: f64,
-    /// How long it creeps before, s.
+    /// How long it creeps before, s: at least.
     pub(super) meet_s: f64,
     /// How long it speeds up before the step, s.
     pub(super) preload_s: f64,
@@ -56,8 +56,8 @@ pub(super) struct Plan {
 const PRELOAD: f64 = 0.1;
 const PRELOAD_BY_CURRENT: f64 = 0.03;
 /// Periods of the believed ring that it creeps for before, within these times, s.
-const MEET_PERIODS: f64 = 1.0;
-const MEET_S: [f64; 2] = [0.02, 0.1];
+const MEET_PERIODS: f64 = 2.0;
+const MEET_S: [f64; 2] = [0.04, 0.15];
 /// Periods of the believed ring that it speeds up for, within these times, s.
 const PRELOAD_PERIODS: f64 = 1.5;
 const PRELOAD_S: [f64; 2] = [0.03, 0.15];
@@ -70,7 +70,7 @@ const WINDOW_S: [f64; 2] = [0.03, 0.15];
 /// Error of position at which a servo gives all it has, rad; its gain is raised for it where it can be.
 const FULL_RAD: f64 = 0.12;
 /// How far it creeps at most until it is seen, and what it goes further meanwhile by the speed that it has then, rad.
-const CREEP_RAD: f64 = 0.05;
+const CREEP_RAD: f64 = 0.08;
 const WAY_MARGIN: f64 = 1.15;
 /// A joint whose gravity is more than this many times its servo's friction is tapped against gravity only: the other
 /// way gravity would take its teeth apart.
@@ -150,9 +150,11 @@ impl Plan {
 
     /// Returns the plan of a tap: none is as another, so that steps of the encoder are averaged out.
     pub(super) fn of_tap(&self, index: u32) -> Self {
-        // Parts of 1 that are spread evenly, whatever their number: those of two irrational numbers.
-        let [time, torque] = [0.618_034, 0.754_878].map(|step| (f64::from(index) * step).fract());
+        // Parts of 1 that are spread evenly, whatever their number: those of irrational numbers.
+        let [time, torque, meet] =
+            [0.618_034, 0.754_878, 0.819_173].map(|step| (f64::from(index) * step).fract());
         Self {
+            meet_s: self.meet_s * (1.0 + meet),
             strength: self.strength * (1.0 - VARIES * torque),
             preload: self.preload * (1.0 - VARIES * time),
             preload_s: self.preload_s * (1.0 - VARIES * time),

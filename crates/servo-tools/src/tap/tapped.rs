@@ -12,7 +12,7 @@ const LEAST_COUNTS: f64 = 0.2;
 /// A ring that is damped by more than this part of what is critical is none.
 const MOST_DAMPING_RATIO: f64 = 0.8;
 /// Largest standard error of a result that is one, as a part.
-const MOST_ERROR: f64 = 0.1;
+const MOST_ERROR: f64 = 0.08;
 /// Readings that a period of the ring needs.
 const LEAST_READINGS: f64 = 4.0;
 /// Largest deviation of readings from what a rotor, a gear and a load do, counts: a time that is off by a millisecond
@@ -44,12 +44,12 @@ pub struct Tapped {
 impl Tapped {
     pub(super) fn of(plan: &Plan, recorded: &Recorded, count_rad: f64) -> Self {
         let (fitted, taps) = while_it_pushes(plan, &recorded.taps, count_rad);
-        let parts: Vec<Fitted> = (0..PARTS.min(taps.len()))
-            .map(|part| {
-                // Both directions are in each: taps go up and down in turn.
-                let own: Vec<Tap> = taps.iter().skip(part).step_by(PARTS).cloned().collect();
-                refit(&plan.joint, &fitted, &own, count_rad)
-            })
+        // Teeth that still bounced at the step would bounce less in one part than in another.
+        let mut by_rest = taps.clone();
+        by_rest.sort_by(|a, b| a.meet_s.total_cmp(&b.meet_s));
+        let parts: Vec<Fitted> = by_rest
+            .chunks(taps.len().div_ceil(PARTS).max(1))
+            .map(|own| refit(&plan.joint, &fitted, own, count_rad))
             .collect();
         let logs = |of: fn(&Joint) -> f64| parts.iter().map(|part| of(&part.joint).ln()).collect();
         let spreads: [Vec<f64>; 2] =
