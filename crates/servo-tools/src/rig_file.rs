@@ -6,6 +6,7 @@ use std::path::Path;
 use toml_edit::{Array, DocumentMut, Item, TableLike, Value};
 
 use crate::ServiceError;
+use sinew_rig::description::SourcedValue;
 
 /// What changes of a servo in a rig file.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,8 +54,7 @@ pub fn edited(text: &str, changes: &[ServoChange]) -> Result<String, ServiceErro
 pub fn with_gear(
     text: &str,
     kind: &str,
-    [stiffness, damping]: [f64; 2],
-    source: &str,
+    [stiffness, damping]: [SourcedValue; 2],
 ) -> Result<String, ServiceError> {
     let refused = |what: String| ServiceError::Rig { name: kind.to_owned(), what };
     let rig = sinew_rig::toml_file::read(text).map_err(|error| refused(error.to_string()))?;
@@ -79,8 +79,8 @@ pub fn with_gear(
     }
     let table = named(&mut document, "servo_model", kind)
         .ok_or_else(|| refused("the rig file has no such kind of servo".to_owned()))?;
-    table.insert("gear_stiffness_nm_rad", sourced(four_digits(stiffness), source));
-    table.insert("gear_damping_nm_s", sourced(four_digits(damping), source));
+    table.insert("gear_stiffness_nm_rad", sourced(four_digits(stiffness.value), &stiffness.source));
+    table.insert("gear_damping_nm_s", sourced(four_digits(damping.value), &damping.source));
     let text = document.to_string();
     sinew_rig::toml_file::read(&text).map_err(|error| refused(error.to_string()))?;
     Ok(text)
@@ -153,6 +153,8 @@ pub fn replace(path: &Path, text: &str) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use sinew_rig::description::ServoModel;
+
     use super::*;
 
     const RIG: &str = r#"# My arm, built in May.
@@ -207,24 +209,22 @@ direction = -1
 
     #[test]
     fn a_gear_that_was_measured_has_its_source() {
-        let source = "tap test, 2026-11-28";
-        let text = with_gear(RIG, "STS3215-7.4V", [98.765_432, 0.5], source).unwrap();
+        let value = |value| SourcedValue { value, source: "tap test".to_owned() };
+        let gear = |stiffness| [value(stiffness), value(0.5)];
+        let text = with_gear(RIG, "STS3215-7.4V", gear(98.765_432)).unwrap();
         assert!(text.starts_with(RIG), "{text}");
-        let before = sinew_rig::description::ServoModel::built_in("STS3215-7.4V").unwrap();
-        let value = |value| {
-            Some(sinew_rig::description::SourcedValue { value, source: source.to_owned() })
-        };
-        let expected = sinew_rig::description::ServoModel {
-            gear_stiffness_nm_rad: value(98.77),
-            gear_damping_nm_s: value(0.5),
+        let before = ServoModel::built_in("STS3215-7.4V").unwrap();
+        let expected = ServoModel {
+            gear_stiffness_nm_rad: Some(value(98.77)),
+            gear_damping_nm_s: Some(value(0.5)),
             ..before
         };
         let rig = sinew_rig::toml_file::read(&text).unwrap();
         assert_eq!(rig.servo_models, [expected]);
         // Again: the two values alone change.
-        let again = with_gear(&text, "STS3215-7.4V", [50.0, 0.5], source).unwrap();
+        let again = with_gear(&text, "STS3215-7.4V", gear(50.0)).unwrap();
         assert_eq!(again, text.replace("98.77", "50.0"));
-        assert!(with_gear(RIG, "XYZ", [1.0; 2], source).is_err());
+        assert!(with_gear(RIG, "XYZ", gear(1.0)).is_err());
     }
 
     #[test]

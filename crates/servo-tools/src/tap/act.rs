@@ -218,11 +218,7 @@ pub(super) fn is_by_current<E: Exchange>(
 }
 
 /// Refuses to tap where its limit leaves less than the tap takes: the step would be another.
-fn ensure_strength(
-    servo: &Servo,
-    registers: &Registers,
-    plan: &Plan,
-) -> Result<(), ServiceError> {
+fn ensure_strength(servo: &Servo, registers: &Registers, plan: &Plan) -> Result<(), ServiceError> {
     let scale = Scale::of(&registers.limit);
     let takes = registers.counts(plan.most_part());
     if takes <= registers.most {
@@ -323,9 +319,11 @@ fn one<E: Exchange>(
     registers.clock.read_until(client, servo, end, &mut readings)?;
     let reached = back(client, servo, registers, plan, (held, sign))?;
     let count_rad = servo.table.rad_per_count();
-    let samples = registers.clock.since(step, &readings).into_iter().map(|(time_s, counts)| {
-        [time_s, f64::from(sign * (counts - held)) * count_rad]
-    });
+    let samples = registers
+        .clock
+        .since(step, &readings)
+        .into_iter()
+        .map(|(time_s, counts)| [time_s, f64::from(sign * (counts - held)) * count_rad]);
     // Near its goal it gives less than its limit.
     let pushed_rad = plan.way_rad - plan.lead_rad(part + plan.strength);
     let samples = samples.take_while(|[_, position_rad]| *position_rad < pushed_rad);

@@ -61,7 +61,8 @@ const DRAG_SPREAD: f64 = 0.1;
 /// Deviation of a reading that is right, counts.
 const NOISE_COUNTS: f64 = 0.3;
 /// Factors on what is believed of stiffness and of damping, to begin with.
-const STARTS: [[f64; 2]; 6] = [[1.0, 1.0], [1.0, 0.35], [0.4, 1.0], [0.4, 0.35], [2.5, 1.0], [2.5, 0.35]];
+const STARTS: [[f64; 2]; 6] =
+    [[1.0, 1.0], [1.0, 0.35], [0.4, 1.0], [0.4, 0.35], [2.5, 1.0], [2.5, 0.35]];
 /// Step of a difference, as a logarithm.
 const DIFFERENCE: f64 = 1e-3;
 
@@ -166,7 +167,14 @@ impl Problem<'_> {
     }
 
     /// A tap's own numbers but the delay as columns, and what the step does: value and speed.
-    fn columns(&self, shared: &Shared, sizes: &[f64; 5], free: &Point, step: &Point, part: f64) -> ([f64; 5], [f64; 2]) {
+    fn columns(
+        &self,
+        shared: &Shared,
+        sizes: &[f64; 5],
+        free: &Point,
+        step: &Point,
+        part: f64,
+    ) -> ([f64; 5], [f64; 2]) {
         let [coast, windup, unwinding, pushed] = free.free;
         let columns = [
             sizes[0],
@@ -209,7 +217,8 @@ impl Problem<'_> {
 
     fn cost(&self, state: &State) -> f64 {
         let curves = self.curves(&state.shared);
-        let taps: f64 = (0..self.taps.len()).map(|index| self.own_of(&curves, state, index).0).sum();
+        let taps: f64 =
+            (0..self.taps.len()).map(|index| self.own_of(&curves, state, index).0).sum();
         taps + (state.shared[2] / DRAG_SPREAD).powi(2) + state.shared[4].powi(2)
     }
 
@@ -291,7 +300,8 @@ impl Problem<'_> {
             // No further than half as much again at once.
             let step = solved.solve(&right).map(|step| step.clamp(-0.4, 0.4));
             let delays = state.delays.iter().zip(&sums).map(|(delay, tap)| {
-                let own = tap.own.cholesky().map(|own| own.solve(&(tap.own_right - tap.mixed * step)));
+                let own =
+                    tap.own.cholesky().map(|own| own.solve(&(tap.own_right - tap.mixed * step)));
                 (delay + own.map_or(0.0, |own| own[DELAY].clamp(-0.5, 0.5))).clamp(-4.0, 4.0)
             });
             let next = State { shared: state.shared + step, delays: delays.collect() };
@@ -323,7 +333,8 @@ impl Problem<'_> {
             inverse.map_or(f64::INFINITY, |inverse| (variance * inverse[(at, at)]).max(0.0).sqrt())
         };
         let full_nm = self.full_nm * state.shared[3].exp();
-        let part = self.taps.iter().map(|tap| tap.step).sum::<f64>() / self.taps.len().max(1) as f64;
+        let part =
+            self.taps.iter().map(|tap| tap.step).sum::<f64>() / self.taps.len().max(1) as f64;
         Fitted {
             joint,
             full_nm,
@@ -341,23 +352,45 @@ mod tests {
     #[test]
     fn synth() {
         let count = 1.53398e-3;
-        let truth = Joint { rotor_kg_m2: 0.005, load_kg_m2: 0.005, stiffness_nm_rad: 285.8, damping_nm_s: 0.359, drag_nm_s: 0.43, load_frictions: [0.0; 2] };
+        let truth = Joint {
+            rotor_kg_m2: 0.005,
+            load_kg_m2: 0.005,
+            stiffness_nm_rad: 285.8,
+            damping_nm_s: 0.359,
+            drag_nm_s: 0.43,
+            load_frictions: [0.0; 2],
+        };
         let believed = Joint { stiffness_nm_rad: 142.9, drag_nm_s: 0.45, ..truth };
         let curves = truth.curves(0.2);
         let mut seed = 7_u64;
-        let mut random = || { seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407); (seed >> 33) as f64 / (1u64 << 31) as f64 };
+        let mut random = || {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (seed >> 33) as f64 / (1u64 << 31) as f64
+        };
         for round in 0..12 {
-            let taps: Vec<Tap> = (0..50).map(|_| {
-                let (delay, x0, v0) = (1e-3 * random(), 10.0 * random() * count, 0.1 + 0.05 * random());
-                let samples = (-20..53).map(|ms| {
-                    let t = 1e-3 * f64::from(ms);
-                    let x = x0 + v0 * curves.at(t + 0.04).free[0] + 0.1 * 2.6 * curves.at(t + 0.039).free[3] + 0.5 * 2.6 * curves.at(t - delay).free[3];
-                    [t, (x / count).round() * count]
-                }).collect();
-                Tap { samples, step: 0.5, meet_s: 0.1 }
-            }).collect();
+            let taps: Vec<Tap> = (0..50)
+                .map(|_| {
+                    let (delay, x0, v0) =
+                        (1e-3 * random(), 10.0 * random() * count, 0.1 + 0.05 * random());
+                    let samples = (-20..53)
+                        .map(|ms| {
+                            let t = 1e-3 * f64::from(ms);
+                            let x = x0
+                                + v0 * curves.at(t + 0.04).free[0]
+                                + 0.1 * 2.6 * curves.at(t + 0.039).free[3]
+                                + 0.5 * 2.6 * curves.at(t - delay).free[3];
+                            [t, (x / count).round() * count]
+                        })
+                        .collect();
+                    Tap { samples, step: 0.5, meet_s: 0.1 }
+                })
+                .collect();
             let f = fit(&believed, 2.85, &taps, count);
-            println!("round {round} K {:.3} c {:.3} {f:?}", f.joint.stiffness_nm_rad / truth.stiffness_nm_rad, f.joint.damping_nm_s / truth.damping_nm_s);
+            println!(
+                "round {round} K {:.3} c {:.3} {f:?}",
+                f.joint.stiffness_nm_rad / truth.stiffness_nm_rad,
+                f.joint.damping_nm_s / truth.damping_nm_s
+            );
         }
     }
 }

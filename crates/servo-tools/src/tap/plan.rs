@@ -77,8 +77,8 @@ const WAY_MARGIN: f64 = 1.15;
 const GRAVITY_FRICTIONS: f64 = 2.0;
 /// It goes back with so much more than gravity takes, of its full torque.
 const BACK_PART: f64 = 0.3;
-/// It stands with so much more.
-const CALM_PART: f64 = 0.04;
+/// It stands with so much more than twice what gravity takes: less than friction.
+const CALM_PART: f64 = 0.02;
 /// What friction takes as a rule, of the full torque.
 const FRICTION_PART: f64 = 0.1;
 /// Part of what is believed of the friction at the shaft that is there for sure.
@@ -88,18 +88,25 @@ const VARIES: f64 = 0.2;
 
 impl Plan {
     /// Plans. A servo that stands without torque has no gravity that its friction does not hold.
-    pub(super) fn new(model: &ServoModel, settings: &Settings, by_current: bool, was_on: bool) -> Self {
+    pub(super) fn new(
+        model: &ServoModel,
+        settings: &Settings,
+        by_current: bool,
+        was_on: bool,
+    ) -> Self {
         let (joint, full_nm) = believed(model, &settings.load, by_current);
         let gravity_nm = if was_on { settings.load.gravity_nm } else { 0.0 };
         let friction_nm = model.friction_nm.value;
-        let direction = match (gravity_nm.abs() > GRAVITY_FRICTIONS * friction_nm, gravity_nm > 0.0) {
+        let direction = match (gravity_nm.abs() > GRAVITY_FRICTIONS * friction_nm, gravity_nm > 0.0)
+        {
             (false, _) => Direction::Both,
             (true, true) => Direction::Down,
             (true, false) => Direction::Up,
         };
         let periods =
             |count: f64, [least, most]: [f64; 2]| (count * joint.period_s()).clamp(least, most);
-        let gain = model.stall_torque_nm.value / FULL_RAD / model.position_gain_nm_rad.value.max(1e-3);
+        let gain =
+            model.stall_torque_nm.value / FULL_RAD / model.position_gain_nm_rad.value.max(1e-3);
         let mut plan = Self {
             joint,
             full_nm,
@@ -180,7 +187,7 @@ impl Plan {
 
     /// Returns the part of the full torque with which it stands.
     pub(super) fn calm_part(&self) -> f64 {
-        self.gravity_part + CALM_PART
+        (2.0 * self.gravity_part + CALM_PART).min(self.back_part())
     }
 
     /// Returns the torques of the weakest tap.
@@ -202,10 +209,11 @@ fn believed(model: &ServoModel, load: &Load, by_current: bool) -> (Joint, f64) {
     let [volts, amps] = [model.voltage_v.value, model.stall_current_a.value];
     let stall_nm = model.stall_torque_nm.value;
     let figures = model.motor(model.friction_nm.value);
-    let motor = figures.filter(|motor| (0.0..0.6).contains(&motor.load_friction)).unwrap_or(MotorFigures {
-        torque_constant_nm_a: stall_nm * (1.0 + LOAD_FRICTION) / (1.0 - LOAD_FRICTION) / amps,
-        load_friction: LOAD_FRICTION,
-    });
+    let motor =
+        figures.filter(|motor| (0.0..0.6).contains(&motor.load_friction)).unwrap_or(MotorFigures {
+            torque_constant_nm_a: stall_nm * (1.0 + LOAD_FRICTION) / (1.0 - LOAD_FRICTION) / amps,
+            load_friction: LOAD_FRICTION,
+        });
     let constant = motor.torque_constant_nm_a;
     let braking_nm_s = if by_current { 0.0 } else { constant * constant * amps / volts };
     let at_shaft = model.output_friction_share();

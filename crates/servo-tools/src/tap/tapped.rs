@@ -75,6 +75,12 @@ impl Tapped {
         }
     }
 
+    /// Returns the least and the most of a number among the parts.
+    pub fn ends(&self, of: fn(&Joint) -> f64) -> [f64; 2] {
+        let all = || self.parts.iter().map(|part| of(&part.joint));
+        [all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max)]
+    }
+
     /// Says why the ring tells nothing, if it does not.
     pub(super) fn check(&self, can_limit_current: bool) -> Result<(), String> {
         let Fitted { joint, ring_counts, noise_counts, full_nm, .. } = self.fitted;
@@ -168,31 +174,14 @@ fn error_of_mean(numbers: &[f64]) -> f64 {
     (squares / (count - 1.0) / count).sqrt()
 }
 
-/// As a table: what was found, and how sure it is.
+/// How it rings, and how it was seen.
 impl fmt::Display for Tapped {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Fitted { joint, ring_counts, noise_counts, .. } = self.fitted;
-        let ends = |of: fn(&Joint) -> f64| {
-            let all = || self.parts.iter().map(|part| of(&part.joint));
-            [all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max)]
-        };
-        let [softest, stiffest] = ends(|joint| joint.stiffness_nm_rad);
-        let [least, most] = ends(|joint| joint.damping_nm_s);
-        let percent = self.errors.map(|error| 100.0 * error);
-        writeln!(
-            f,
-            "stiffness {:.1} N m/rad, +- {:.1} %; {PARTS} parts of the taps have {softest:.1} to {stiffest:.1}",
-            joint.stiffness_nm_rad, percent[0]
-        )?;
-        writeln!(
-            f,
-            "damping {:.4} N m s, +- {:.1} %; {PARTS} parts have {least:.4} to {most:.4}",
-            joint.damping_nm_s, percent[1]
-        )?;
         write!(
             f,
-            "it rings with {:.1} Hz, at {:.2} of the critical damping, by {ring_counts:.1} counts of its encoder \
-             (readings are {noise_counts:.2} off); {} taps, {:.0} readings a second, {:.1} deg at most",
+            "it rings with {:.1} Hz, at {:.2} of the critical damping, by {ring_counts:.1} counts of its encoder; \
+             readings are {noise_counts:.2} counts off. {} taps, {:.0} readings a second; it moved by {:.0} deg",
             1.0 / joint.period_s(),
             joint.damping_ratio(),
             self.taps,

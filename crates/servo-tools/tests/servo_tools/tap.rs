@@ -38,7 +38,8 @@ impl Case {
         let load_kg_m2 = self.load * model.rotor_inertia_kg_m2.value;
         let gravity_nm = self.gravity * model.stall_torque_nm.value;
         let middle = 0.5 * kind.range_rad;
-        let arm = Arm { inertia_kg_m2: load_kg_m2, gravity_nm, level_rad: middle, ..Arm::default() };
+        let arm =
+            Arm { inertia_kg_m2: load_kg_m2, gravity_nm, level_rad: middle, ..Arm::default() };
         let memory = Box::leak(Box::new([0; MEMORY_LEN]));
         let mut servo = SimServo::new(&kind, 1, memory).unwrap();
         servo.set_baud(1_000_000).unwrap();
@@ -91,8 +92,7 @@ fn found(kind: &'static str) {
         };
         let joint = tapped.fitted.joint;
         let [stiffness, damping] = [truth.gear_stiffness_nm_rad, truth.gear_damping_nm_s];
-        let off =
-            [joint.stiffness_nm_rad / stiffness - 1.0, joint.damping_nm_s / damping - 1.0];
+        let off = [joint.stiffness_nm_rad / stiffness - 1.0, joint.damping_nm_s / damping - 1.0];
         println!(
             "{name}: {stiffness:.1} {damping:.4}: off {:+.1} %, {:+.1} %\n{tapped}",
             100.0 * off[0],
@@ -138,8 +138,13 @@ fn the_gear_of_an_xl430_is_found() {
 fn explore() {
     for line in std::env::var("TAP_CASES").unwrap().split(';') {
         let words: Vec<&str> = line.split_whitespace().collect();
-        let mode = words[3..].iter().find_map(|w| w.strip_prefix("mode")).map(|m| m.parse().unwrap());
-        let changes: Vec<&'static str> = words[3..].iter().filter(|w| !w.starts_with("mode")).map(|w| &*Box::leak(w.to_string().into_boxed_str())).collect();
+        let mode =
+            words[3..].iter().find_map(|w| w.strip_prefix("mode")).map(|m| m.parse().unwrap());
+        let changes: Vec<&'static str> = words[3..]
+            .iter()
+            .filter(|w| !w.starts_with("mode"))
+            .map(|w| &*Box::leak(w.to_string().into_boxed_str()))
+            .collect();
         let case = Case {
             kind: Box::leak(words[0].to_owned().into_boxed_str()),
             load: words[1].parse().unwrap(),
@@ -151,7 +156,11 @@ fn explore() {
         match case.tap(strength(), taps()) {
             Ok(tapped) => {
                 let joint = tapped.fitted.joint;
-                println!("{line}: K {:+.1} % c {:+.1} %\n   {tapped}", 100.0 * (joint.stiffness_nm_rad / truth.gear_stiffness_nm_rad - 1.0), 100.0 * (joint.damping_nm_s / truth.gear_damping_nm_s - 1.0));
+                println!(
+                    "{line}: K {:+.1} % c {:+.1} %\n   {tapped}",
+                    100.0 * (joint.stiffness_nm_rad / truth.gear_stiffness_nm_rad - 1.0),
+                    100.0 * (joint.damping_nm_s / truth.gear_damping_nm_s - 1.0)
+                );
             }
             Err(error) => println!("{line}: {error}"),
         }

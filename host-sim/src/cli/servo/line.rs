@@ -19,7 +19,7 @@ pub(super) struct LineArgs {
 
     /// Serial port of a controller board that passes packets on to its servos, in place of --port. Without a value, or
     /// `auto`: the USB port where a board answers. Its rig must be limp, off or faulted. Torque stays off, so
-    /// `identify` cannot move a servo.
+    /// `identify` and `tap` cannot move a servo.
     #[arg(
         long,
         value_name = "PORT",

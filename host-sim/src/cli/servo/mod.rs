@@ -8,6 +8,7 @@ mod registers;
 mod rig;
 mod scan;
 mod tap;
+mod tapped_sim;
 mod watch;
 
 use std::process::ExitCode;

@@ -3,77 +3,89 @@
 use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::{Duration, SystemTime};
 
 use anyhow::{Context as _, bail};
-use sinew_host_util::command::{note, print};
+use sinew_host_util::command::{note, print, table};
 use sinew_performance::rig::LoadedRig;
-use sinew_servo_sim::bench::Bench;
-use sinew_servo_sim::device::{MEMORY_LEN, Servo as SimulatedServo};
-use sinew_servo_sim::load::{Arm, Load as _, Shaft};
+use sinew_rig::description::SourcedValue;
+use sinew_servo_sim::load::{Load as _, Shaft};
 use sinew_servo_sim::rig::{RigServo as Loaded, servos};
-use sinew_servo_sim::supply::Supply;
-use sinew_servo_sim::variation::{Change, Variation};
+use sinew_servo_sim::variation::Change;
 use sinew_servo_tools::rig_file::{replace, with_gear};
 use sinew_servo_tools::rig_servo::{RigServo, of_bus};
-use sinew_servo_tools::tap::{Settings, Tapped, tap};
-use sinew_servo_tools::{Client, Exchange, Protocol, Settings as Patience};
+use sinew_servo_tools::tap::{Load, PARTS, Settings, TapTest, Tapped};
 
 use super::line::LineArgs;
 use super::rig::find_rate;
+use super::tapped_sim::{self, TargetArg};
 use crate::cli::rig::read;
+use crate::cli::stop::Stop;
 
 /// Measure stiffness and damping of a servo's gear by a tap test, and write them into the rig file.
 ///
-/// The servo moves by some 15 degrees, again and again: it creeps, gets more torque at once, and goes back. Its joint
-/// rings meanwhile. Stand the rig at its home pose, and hold all other joints of the servo's limb: what hangs on it must
-/// be stiff. The inertia is that of the rig file.
+/// The servo creeps, gets more torque at once, brakes and goes back, again and again: its joint rings meanwhile. How far
+/// it moves, and with how much torque, is said before. Stand the rig at its home pose, and hold all other joints of the
+/// servo's limb: what hangs on it must be stiff. Its inertia is that of the rig file.
 ///
-/// It asks before it moves. At Ctrl-C and at each error the servo goes back, and all its registers are as before.
-/// `gear_stiffness_nm_rad` and `gear_damping_nm_s` of its kind are written: for all servos of this kind.
+/// It asks before it moves. At Ctrl-C (after the tap that is under way) and at each error the servo goes back, and all
+/// its registers are as before; a servo that was limp is limp again. `gear_stiffness_nm_rad` and `gear_damping_nm_s` of
+/// its kind are written: for all servos of this kind. Taps that tell too little are no result: exit code 2. Play is not
+/// measured.
 #[derive(Debug, clap::Args)]
 pub(super) struct TapArgs {
     /// The servo, as the rig calls it.
     #[arg(value_name = "SERVO")]
     servo: String,
 
-    /// The rig.toml.
+    /// The rig.toml. It is replaced, unless --output names another file.
     #[arg(long, value_name = "RIG")]
     rig: PathBuf,
+
+    /// File to write, in place of the rig's own.
+    #[arg(short, long, value_name = "FILE", conflicts_with = "dry_run")]
+    output: Option<PathBuf>,
+
+    /// Print only; write no file.
+    #[arg(long)]
+    dry_run: bool,
 
     /// Tap a simulated servo in place of that at --port.
     #[arg(long, value_enum, value_name = "TARGET", conflicts_with_all = ["port", "board"])]
     target: Option<TargetArg>,
 
     /// Let the simulated servo differ from the rig's file, such as stiffness=0.5. May be repeated.
-    #[arg(long, value_name = "NAME=FACTOR", requires = "target")]
+    #[arg(long, value_name = "NAME=FACTOR", requires = "target", long_help = plant_help())]
     plant: Vec<Change>,
 
     /// Number of taps.
-    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u32).range(10..=500))]
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(20..=1000))]
     taps: u32,
 
-    /// Part of its full torque by which a tap steps, in %.
+    /// Part of its torque at standstill by which a tap steps, in %.
     #[arg(long, value_name = "%", default_value_t = 50, value_parser = clap::value_parser!(u8).range(5..=60))]
     strength: u8,
 
     /// Inertia of what hangs on the servo, in kg m². Default: that of the rig at its home pose.
-    #[arg(long, value_name = "KG_M2")]
+    #[arg(long, value_name = "KG_M2", value_parser = inertia)]
     inertia_kg_m2: Option<f64>,
 
     /// Do not ask before it moves.
     #[arg(long)]
     yes: bool,
-
-    /// Print only; leave the rig file as it is.
-    #[arg(long)]
-    dry_run: bool,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum TargetArg {
-    /// A simulated servo with its load, in simulated time.
-    Sim,
+fn plant_help() -> String {
+    format!(
+        "Let the simulated servo differ from the rig's file: a factor on one of {}. May be repeated.",
+        Change::known()
+    )
+}
+
+fn inertia(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(inertia) if (1e-6..=10.0).contains(&inertia) => Ok(inertia),
+        _ => Err("expected a number from 0.000001 to 10".into()),
+    }
 }
 
 /// Taps, prints and writes.
@@ -87,37 +99,23 @@ pub(super) fn run(line: &LineArgs, args: &TapArgs) -> anyhow::Result<ExitCode> {
         .into_iter()
         .find(|load| load.name == args.servo)
         .context("the rig has no such servo")?;
-    let at_home = Shaft { position_rad: load.home_rad, velocity_rad_s: 0.0 };
-    let settings = Settings {
-        taps: args.taps,
-        strength: f64::from(args.strength) / 100.0,
-        load_kg_m2: args.inertia_kg_m2.unwrap_or(load.load.inertia_kg_m2),
-        gravity_nm: load.load.torque_nm(at_home),
+    let settings = settings(args, &load);
+    let tapped = match args.target {
+        Some(TargetArg::Sim) => tapped_sim::tap(&servo, load, &args.plant, &settings)?,
+        None => on_port(line, args, &servo, &settings)?,
     };
-    let tapped = if args.target.is_some() {
-        simulated(&servo, load, &args.plant, &settings)?
-    } else {
-        on_port(line, args, &servo, &settings)?
-    };
-    print(&format!("{}: {tapped}\n", servo.name))?;
-    if !tapped.is_loaded {
-        note(format_args!(
-            "gravity hardly loads this joint: its teeth were kept together by speeding up alone"
-        ));
-    }
+    print(&words(&servo, &tapped))?;
     if args.dry_run {
         return Ok(ExitCode::SUCCESS);
     }
-    let of = if args.target.is_some() { " of a simulated servo" } else { "" };
-    let source = format!("tap test{of}, {}", today());
-    let joint = tapped.fitted.joint;
-    let found = [joint.stiffness_nm_rad, joint.damping_nm_s];
-    let text = with_gear(&text, &servo.model.name, found, &source)?;
-    replace(&args.rig, &text).with_context(name)?;
-    note(format_args!("wrote {} into {}", servo.model.name, name()));
+    let text = with_gear(&text, &servo.model.name, sourced(&servo, &tapped, args.target))?;
+    let output = args.output.as_ref().unwrap_or(&args.rig);
+    replace(output, &text).with_context(|| output.display().to_string())?;
+    note(format_args!("wrote {} into {}", servo.model.name, output.display()));
     Ok(ExitCode::SUCCESS)
 }
 
+/// The servo of this name, on a bus.
 fn of_name(rig: &LoadedRig, name: &str) -> anyhow::Result<RigServo> {
     let description = &rig.description;
     let own = description.servos.iter().find(|servo| servo.name == name).with_context(|| {
@@ -125,7 +123,21 @@ fn of_name(rig: &LoadedRig, name: &str) -> anyhow::Result<RigServo> {
         format!("the rig has no servo {name:?}; there are: {}", known.join(", "))
     })?;
     let on_bus = of_bus(description, Some(&own.bus))?;
-    on_bus.into_iter().find(|servo| servo.name == name).context("it takes pulses, and tells nothing")
+    on_bus.into_iter().find(|servo| servo.name == name).with_context(|| {
+        format!("{name} takes pulses and tells nothing: only bus servos can be tapped")
+    })
+}
+
+fn settings(args: &TapArgs, load: &Loaded) -> Settings {
+    let at_home = Shaft { position_rad: load.home_rad, velocity_rad_s: 0.0 };
+    Settings {
+        taps: args.taps,
+        strength: f64::from(args.strength) / 100.0,
+        load: Load {
+            inertia_kg_m2: args.inertia_kg_m2.unwrap_or(load.load.inertia_kg_m2),
+            gravity_nm: load.load.torque_nm(at_home),
+        },
+    }
 }
 
 fn on_port(
@@ -137,121 +149,69 @@ fn on_port(
     let mut client = line.client()?;
     find_rate(line, &mut client, std::slice::from_ref(servo))?;
     let found = servo.open(&mut client)?;
+    let test = TapTest::new(&mut client, &found, &servo.model, settings)?;
+    note(format_args!(
+        "{} (id {}): {} taps move it by up to {:.0} deg, with up to {:.0} % of its torque. Stand the rig at its home \
+         pose, hold the other joints of its limb, and keep your hands away",
+        servo.name,
+        servo.id,
+        args.taps,
+        test.reach_rad().to_degrees(),
+        100.0 * test.most_torque()
+    ));
     if !args.yes {
-        note(format_args!(
-            "{}: it is going to move by some 15 deg, up to 35, {} times, with up to {} % of its torque more than it \
-             takes to move. Stand the rig at its home pose, hold the other joints, and keep your hands away. Enter \
-             begins",
-            servo.name, args.taps, args.strength
-        ));
+        note(format_args!("Enter begins; Ctrl-C ends it at any time."));
         if io::stdin().read_line(&mut String::new())? == 0 {
             bail!("the input ended; nothing moved");
         }
     }
-    let mut goes_on = goes_on()?;
-    Ok(tap(&mut client, &found, &servo.model, settings, &mut |_| goes_on())?)
+    let stop = Stop::new()?;
+    Ok(test.run(&mut client, &mut |_| stop.times() == 0)?)
 }
 
-/// Says no from Ctrl-C or SIGTERM on.
-#[cfg(unix)]
-fn goes_on() -> anyhow::Result<impl FnMut() -> bool> {
-    use std::sync::Arc;
-    use std::sync::atomic::{AtomicBool, Ordering};
-
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&stop))?;
-    }
-    Ok(move || !stop.load(Ordering::Relaxed))
+/// As a table: what was found, how sure it is, and what the file had.
+fn words(servo: &RigServo, tapped: &Tapped) -> String {
+    let header = ["", "found", "+- %", "least part", "most part", "before"];
+    let mut table = table(header, 1..6);
+    let joint = tapped.fitted.joint;
+    let [stiffness, damping] = tapped.errors.map(|error| format!("{:.1}", 100.0 * error));
+    let [softest, stiffest] = tapped.ends(|joint| joint.stiffness_nm_rad);
+    let [least, most] = tapped.ends(|joint| joint.damping_nm_s);
+    let one = |value: f64| format!("{value:.1}");
+    let four = |value: f64| format!("{value:.4}");
+    table.add_row([
+        "stiffness, N m/rad".to_owned(),
+        one(joint.stiffness_nm_rad),
+        stiffness,
+        one(softest),
+        one(stiffest),
+        one(servo.model.gear_stiffness()),
+    ]);
+    table.add_row([
+        "damping, N m s".to_owned(),
+        four(joint.damping_nm_s),
+        damping,
+        four(least),
+        four(most),
+        four(servo.model.gear_damping()),
+    ]);
+    format!(
+        "{}, a {}: {tapped}\n{table}\nEach of {PARTS} parts of the taps gives a result of its own: the least and the most.\n",
+        servo.name, servo.model.name
+    )
 }
 
-#[cfg(not(unix))]
-fn goes_on() -> anyhow::Result<impl FnMut() -> bool> {
-    Ok(|| true)
-}
-
-const BAUD: u32 = 1_000_000;
-
-/// Taps a simulated servo that moves its load by itself.
-fn simulated(
-    servo: &RigServo,
-    load: Loaded,
-    changes: &[Change],
-    settings: &Settings,
-) -> anyhow::Result<Tapped> {
-    let mut kind = load.kind;
-    Variation::of(changes)?.change_servo(&mut kind, 1e-3);
-    let mut memory = [0; MEMORY_LEN];
-    let mut simulated = SimulatedServo::new(&kind, servo.id, &mut memory)?;
-    simulated.set_baud(BAUD)?;
-    simulated.place(load.home_rad);
-    let bench = Bench::new(vec![simulated], vec![load.load], Supply::stiff(kind.voltage_v));
-    let protocol = servo.protocol().unwrap_or(Protocol::Dynamixel);
-    let mut client = Client::new(SimulatedLine(bench), protocol, BAUD, Patience::default())?;
-    let found = servo.open(&mut client)?;
-    Ok(tap(&mut client, &found, &servo.model, settings, &mut |_| true)?)
-}
-
-/// A simulated line, in its own time.
-struct SimulatedLine<'m>(Bench<'m, Vec<Arm>>);
-
-fn micros(time: Duration) -> u32 {
-    u32::try_from(time.as_micros()).unwrap_or(u32::MAX)
-}
-
-impl Exchange for SimulatedLine<'_> {
-    fn exchange(
-        &mut self,
-        bytes: &[u8],
-        wait: Duration,
-        take: &mut dyn FnMut(&[u8]) -> bool,
-    ) -> io::Result<()> {
-        self.0.exchange(bytes, micros(wait), take);
-        Ok(())
-    }
-
-    fn set_baud(&mut self, baud: u32) -> io::Result<()> {
-        self.0.baud = baud;
-        Ok(())
-    }
-
-    fn pause(&mut self, time: Duration) {
-        self.0.run_us(micros(time));
-    }
-
-    fn now(&mut self) -> Duration {
-        Duration::from_secs_f64(self.0.time_s())
-    }
-}
-
-/// Today in UTC, such as 2026-05-01, by Howard Hinnant's `civil_from_days`.
-fn today() -> String {
-    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-    date(since.as_secs() / 86_400)
-}
-
-fn date(days: u64) -> String {
-    let days = days + 719_468;
-    let (era, of_era) = (days / 146_097, days % 146_097);
-    let year = (of_era - of_era / 1_460 + of_era / 36_524 - of_era / 146_096) / 365;
-    let of_year = of_era - (365 * year + year / 4 - year / 100);
-    let shifted = (5 * of_year + 2) / 153;
-    let day = of_year - (153 * shifted + 2) / 5 + 1;
-    let month = if shifted < 10 { shifted + 3 } else { shifted - 9 };
-    let year = year + era * 400 + u64::from(month <= 2);
-    format!("{year:04}-{month:02}-{day:02}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::date;
-
-    #[test]
-    fn days_have_dates() {
-        for (days, expected) in
-            [(0, "1970-01-01"), (11_016, "2000-02-29"), (20_453, "2025-12-31"), (20_454, "2026-01-01")]
-        {
-            assert_eq!(date(days), expected);
-        }
-    }
+/// Stiffness and damping, each with how it was found.
+fn sourced(servo: &RigServo, tapped: &Tapped, target: Option<TargetArg>) -> [SourcedValue; 2] {
+    let simulated = if target.is_some() { " of a simulated servo" } else { "" };
+    let Tapped { fitted, errors, taps, .. } = tapped;
+    let value = |value: f64, error: f64| SourcedValue {
+        value,
+        source: format!(
+            "tap test{simulated} of {}, {taps} taps: +- {:.1} %",
+            servo.name,
+            100.0 * error
+        ),
+    };
+    [value(fitted.joint.stiffness_nm_rad, errors[0]), value(fitted.joint.damping_nm_s, errors[1])]
 }
