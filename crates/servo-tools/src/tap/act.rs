@@ -8,7 +8,7 @@ use super::clock::Clock;
 use super::fit::Tap;
 use super::plan::{Direction, Plan};
 use crate::identify::{ensure_it_stands_in_position_mode, ensure_no_fault, set_all};
-use crate::quantity::Scale;
+use crate::quantity::{Quantity, Scale};
 use crate::store::{set_torque, store, torque_is_on};
 use crate::table::Role;
 use crate::{Client, Exchange, ServiceError, Servo, Table};
@@ -62,7 +62,7 @@ pub(super) fn record<E: Exchange>(
     let was_on = torque_is_on(client, servo)?;
     ensure_it_stands_in_position_mode(client, servo, was_on)?;
     let registers = registers(client, servo, plan)?;
-    ensure_strength(servo, &registers, plan)?;
+    ensure_strength(client, servo, &registers, plan)?;
     let held = client.read(servo, if was_on { &registers.goal } else { &registers.present })?;
     ensure_room(client, servo, plan, held)?;
     let settings = settings(client, servo, &registers, plan)?;
@@ -136,22 +136,15 @@ fn registers<E: Exchange>(
     plan: &Plan,
 ) -> Result<Registers, ServiceError> {
     let table = &servo.table;
-    let (limit, most, full, gain) = match table {
+    let (limit, most, gain) = match table {
         Table::Dynamixel(_) => {
-            let names = if plan.by_current {
-                ["Goal Current", "Current Limit"]
-            } else {
-                ["Goal PWM", "PWM Limit"]
-            };
-            let [limit, most] = names.map(|name| table.register(name));
-            let (limit, most) = (limit?, client.read(servo, &most?)?);
-            let scale = Scale::of(&limit);
-            let full = if plan.by_current { plan.full_a / scale.step } else { 100.0 / scale.step };
-            (limit, most, full, Some(gain(client, servo, plan)?))
+            let limit = table.register("Goal PWM")?;
+            let most = client.read(servo, &table.register("PWM Limit")?)?;
+            (limit, most, Some(gain(client, servo, plan)?))
         }
         Table::Feetech(_) => {
             let limit = table.register("Torque Limit")?;
-            (limit, client.read(servo, &limit)?, 100.0 / Scale::of(&limit).step, None)
+            (limit, client.read(servo, &limit)?, None)
         }
     };
     Ok(Registers {
@@ -159,7 +152,7 @@ fn registers<E: Exchange>(
         present: table.role(Role::PresentPosition)?,
         limit,
         most,
-        full,
+        full: 100.0 / Scale::of(&limit).step,
         gain,
         clock: Clock::of(table)?,
     })
@@ -195,9 +188,8 @@ fn settings<E: Exchange>(
         Table::Dynamixel(_) => {
             settings.push((table.register("Profile Velocity")?, 0));
             settings.push((table.register("Profile Acceleration")?, 0));
-            if plan.by_current {
-                let most = client.read(servo, &table.register("PWM Limit")?)?;
-                settings.push((table.register("Goal PWM")?, most));
+            if let Some(most) = current_limit(client, servo)? {
+                settings.push((table.register("Goal Current")?, most));
             }
         }
         Table::Feetech(_) => {
@@ -208,32 +200,48 @@ fn settings<E: Exchange>(
     Ok(settings)
 }
 
-/// Whether it limits its current in its mode of position: then the tap is a step of current.
-pub(super) fn is_by_current<E: Exchange>(
+/// The most current of a servo in mode 5, position with a limit of current, in counts; none in other modes.
+fn current_limit<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
-) -> Result<bool, ServiceError> {
-    Ok(servo.table.has_current()
-        && client.read(servo, &servo.table.register("Operating Mode")?)? == MODE_CURRENT_POSITION)
+) -> Result<Option<i32>, ServiceError> {
+    let table = &servo.table;
+    if !table.has_current()
+        || client.read(servo, &table.register("Operating Mode")?)? != MODE_CURRENT_POSITION
+    {
+        return Ok(None);
+    }
+    client.read(servo, &table.register("Current Limit")?).map(Some)
 }
 
-/// Refuses to tap where its limit leaves less than the tap takes: the step would be another.
-fn ensure_strength(servo: &Servo, registers: &Registers, plan: &Plan) -> Result<(), ServiceError> {
-    let scale = Scale::of(&registers.limit);
-    let takes = registers.counts(plan.most_part());
-    if takes <= registers.most {
-        return Ok(());
-    }
-    let name = match (&servo.table, plan.by_current) {
-        (Table::Feetech(_), _) => "Torque Limit",
-        (_, true) => "Current Limit",
-        _ => "PWM Limit",
+/// Refuses to tap where its limits leave less than the tap takes: the step would be another.
+fn ensure_strength<E: Exchange>(
+    client: &mut Client<E>,
+    servo: &Servo,
+    registers: &Registers,
+    plan: &Plan,
+) -> Result<(), ServiceError> {
+    let refused = |name: &str, has: Quantity, takes: Quantity| {
+        let what = format!(
+            "its {name} is {has}, and this tap takes up to {takes}: raise it for the test, or tap with less --strength"
+        );
+        Err(ServiceError::State { id: servo.id, what })
     };
-    let [has, takes] = [registers.most, takes].map(|counts| scale.quantity(counts));
-    let what = format!(
-        "its {name} is {has}, and this tap takes up to {takes}: raise it for the test, or tap with less --strength"
-    );
-    Err(ServiceError::State { id: servo.id, what })
+    let takes = registers.counts(plan.most_part());
+    if takes > registers.most {
+        let name =
+            if registers.gain.is_some() { "PWM Limit" } else { "Torque Limit" };
+        let scale = Scale::of(&registers.limit);
+        return refused(name, scale.quantity(registers.most), scale.quantity(takes));
+    }
+    if let Some(most) = current_limit(client, servo)? {
+        let scale = Scale::of(&servo.table.register("Current Limit")?);
+        let takes = scale.raw(plan.most_part() * plan.full_a).unwrap_or(i32::MAX);
+        if takes > most {
+            return refused("Current Limit", scale.quantity(most), scale.quantity(takes));
+        }
+    }
+    Ok(())
 }
 
 /// Refuses to tap where its limits of position leave no room.
@@ -325,7 +333,7 @@ fn one<E: Exchange>(
         .into_iter()
         .map(|(time_s, counts)| [time_s, f64::from(sign * (counts - held)) * count_rad]);
     // Near its goal it gives less than its limit.
-    let pushed_rad = plan.way_rad - plan.lead_rad(part + plan.strength);
+    let pushed_rad = plan.way_rad - Plan::lead_rad(part + plan.strength);
     let samples = samples.take_while(|[_, position_rad]| *position_rad < pushed_rad);
     let step = f64::from(after - before) / registers.full;
     Ok((Tap { samples: samples.collect(), step, meet_s: plan.meet_s }, reached))

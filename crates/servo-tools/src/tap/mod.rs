@@ -68,9 +68,8 @@ impl TapTest {
         model: &ServoModel,
         settings: &Settings,
     ) -> Result<Self, ServiceError> {
-        let by_current = act::is_by_current(client, servo)?;
         let was_on = torque_is_on(client, servo)?;
-        let plan = Plan::new(model, settings, by_current, was_on);
+        let plan = Plan::new(model, settings, was_on);
         Ok(Self { servo: servo.clone(), plan })
     }
 
@@ -98,10 +97,7 @@ impl TapTest {
         let Self { servo, plan } = self;
         let recorded = act::record(client, servo, plan, goes_on)?;
         let tapped = Tapped::of(plan, &recorded, servo.table.rad_per_count());
-        let can_limit_current = servo.table.has_current() && !plan.by_current;
-        tapped
-            .check(can_limit_current)
-            .map_err(|what| ServiceError::State { id: servo.id, what })?;
+        tapped.check().map_err(|what| ServiceError::State { id: servo.id, what })?;
         Ok(tapped)
     }
 }

@@ -25,8 +25,6 @@ pub(super) struct Plan {
     pub(super) full_nm: f64,
     /// Current for it, A.
     pub(super) full_a: f64,
-    /// Whether the step is one of current; else it is one of the part of the supply.
-    pub(super) by_current: bool,
     pub(super) taps: u32,
     pub(super) direction: Direction,
     /// Step, of the full torque.
@@ -51,10 +49,8 @@ pub(super) struct Plan {
     pub(super) way_rad: f64,
 }
 
-/// Part of its full torque with which a servo speeds up before the step: by its part of the supply, and by current, where
-/// nothing but friction brakes it.
+/// Part of its full torque with which a servo speeds up before the step.
 const PRELOAD: f64 = 0.1;
-const PRELOAD_BY_CURRENT: f64 = 0.03;
 /// Periods of the believed ring that it creeps for before, within these times, s.
 const MEET_PERIODS: f64 = 2.0;
 const MEET_S: [f64; 2] = [0.04, 0.15];
@@ -88,13 +84,8 @@ const VARIES: f64 = 0.2;
 
 impl Plan {
     /// Plans. A servo that stands without torque has no gravity that its friction does not hold.
-    pub(super) fn new(
-        model: &ServoModel,
-        settings: &Settings,
-        by_current: bool,
-        was_on: bool,
-    ) -> Self {
-        let (joint, full_nm) = believed(model, &settings.load, by_current);
+    pub(super) fn new(model: &ServoModel, settings: &Settings, was_on: bool) -> Self {
+        let (joint, full_nm) = believed(model, &settings.load);
         let gravity_nm = if was_on { settings.load.gravity_nm } else { 0.0 };
         let friction_nm = model.friction_nm.value;
         let direction = match (gravity_nm.abs() > GRAVITY_FRICTIONS * friction_nm, gravity_nm > 0.0)
@@ -111,11 +102,10 @@ impl Plan {
             joint,
             full_nm,
             full_a: model.stall_current_a.value,
-            by_current,
             taps: settings.taps,
             direction,
             strength: settings.strength,
-            preload: if by_current { PRELOAD_BY_CURRENT } else { PRELOAD },
+            preload: PRELOAD,
             gravity_part: gravity_nm.abs() / full_nm,
             friction_nm: SURE_FRICTION * model.output_friction_share() * friction_nm,
             meet_s: periods(MEET_PERIODS, MEET_S),
@@ -125,25 +115,17 @@ impl Plan {
             gain: gain.max(1.0),
             way_rad: 0.0,
         };
-        let way_rad = if by_current {
-            // At this speed its supply drives the current no more.
-            let part = plan.gravity_part + plan.preload + plan.strength + FRICTION_PART;
-            let most_rad_s = (1.0 - part).max(0.0) * model.no_load_speed_rad_s.value;
-            plan.way_until(most_rad_s)
-        } else {
-            plan.way_until(f64::INFINITY)
-        };
-        plan.way_rad = WAY_MARGIN * way_rad + CREEP_RAD + plan.lead_rad(plan.most_part().min(1.0));
+        plan.way_rad =
+            WAY_MARGIN * plan.rigid_way_rad() + CREEP_RAD + Self::lead_rad(plan.most_part().min(1.0));
         plan
     }
 
-    /// Ends the readings where a rigid joint without friction would reach this speed, and returns how far it would go
-    /// until then, rad.
-    fn way_until(&mut self, most_rad_s: f64) -> f64 {
+    /// Returns how far a rigid joint without friction would go until the readings end, rad.
+    fn rigid_way_rad(&self) -> f64 {
         const STEP_S: f64 = 5e-4;
         let inertia_kg_m2 = self.joint.rotor_kg_m2 + self.joint.load_kg_m2;
         let [mut time_s, mut speed_rad_s, mut way_rad] = [-self.preload_s, 0.0, 0.0];
-        while time_s < self.window_s && speed_rad_s < most_rad_s {
+        while time_s < self.window_s {
             let step = if time_s < 0.0 { 0.0 } else { self.strength };
             // Implicit: stable whatever the drag.
             speed_rad_s += STEP_S * (self.preload + step) * self.full_nm / inertia_kg_m2;
@@ -151,7 +133,6 @@ impl Plan {
             way_rad += STEP_S * speed_rad_s;
             time_s += STEP_S;
         }
-        self.window_s = self.window_s.min(time_s.max(0.0));
         way_rad
     }
 
@@ -169,10 +150,9 @@ impl Plan {
         }
     }
 
-    /// Returns how far ahead its goal must be for a part of the full torque, rad. A current takes all of the supply, as
-    /// soon as it is fast.
-    pub(super) fn lead_rad(&self, part: f64) -> f64 {
-        FULL_RAD * if self.by_current { 1.0 } else { part }
+    /// Returns how far ahead its goal must be for a part of the full torque, rad.
+    pub(super) fn lead_rad(part: f64) -> f64 {
+        FULL_RAD * part
     }
 
     /// Returns the most of the full torque that it takes, as a rule.
@@ -205,7 +185,7 @@ impl Plan {
 const LOAD_FRICTION: f64 = 0.1;
 
 /// Returns what is believed of a joint before it is tapped, and its motor's torque at standstill, N m.
-fn believed(model: &ServoModel, load: &Load, by_current: bool) -> (Joint, f64) {
+fn believed(model: &ServoModel, load: &Load) -> (Joint, f64) {
     let [volts, amps] = [model.voltage_v.value, model.stall_current_a.value];
     let stall_nm = model.stall_torque_nm.value;
     let figures = model.motor(model.friction_nm.value);
@@ -215,14 +195,13 @@ fn believed(model: &ServoModel, load: &Load, by_current: bool) -> (Joint, f64) {
             load_friction: LOAD_FRICTION,
         });
     let constant = motor.torque_constant_nm_a;
-    let braking_nm_s = if by_current { 0.0 } else { constant * constant * amps / volts };
     let at_shaft = model.output_friction_share();
     let joint = Joint {
         rotor_kg_m2: model.rotor_inertia_kg_m2.value,
         load_kg_m2: load.inertia_kg_m2,
         stiffness_nm_rad: model.gear_stiffness(),
         damping_nm_s: model.gear_damping(),
-        drag_nm_s: model.damping_nm_s.value + braking_nm_s,
+        drag_nm_s: model.damping_nm_s.value + constant * constant * amps / volts,
         load_frictions: [1.0 - at_shaft, at_shaft].map(|share| share * motor.load_friction),
     };
     (joint, constant * amps)

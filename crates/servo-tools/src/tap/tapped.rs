@@ -82,17 +82,11 @@ impl Tapped {
     }
 
     /// Says why the ring tells nothing, if it does not.
-    pub(super) fn check(&self, can_limit_current: bool) -> Result<(), String> {
+    pub(super) fn check(&self) -> Result<(), String> {
         let Fitted { joint, ring_counts, noise_counts, full_nm, .. } = self.fitted;
         let period_s = joint.period_s();
         let ratio = joint.damping_ratio();
         let [rotor, load] = [joint.rotor_kg_m2, joint.load_kg_m2];
-        let by_current = if can_limit_current {
-            ". In its mode 5, position with a limit of current, nothing brakes the rotor while it rings \
-             (`sinew servo apply --mode current-position`)"
-        } else {
-            ""
-        };
         if period_s < LEAST_READINGS * self.reading_s {
             return Err(format!(
                 "the shaft rings with {:.0} Hz, and is read {:.0} times a second: too seldom. A higher baud rate, a \
@@ -105,13 +99,13 @@ impl Tapped {
             return Err(format!(
                 "the shaft rings by {ring_counts:.2} counts of its encoder, which sees none below {LEAST_COUNTS}. A \
                  load as heavy as its rotor ({rotor:.5} kg m2; it has {load:.5}) rings most; a larger --strength helps, \
-                 too{by_current}"
+                 too"
             ));
         }
         if ratio > MOST_DAMPING_RATIO {
             return Err(format!(
                 "the shaft does not ring: its damping is {ratio:.2} of what is critical, and more than \
-                 {MOST_DAMPING_RATIO} cannot be told from a soft gear. A heavier load is damped less{by_current}"
+                 {MOST_DAMPING_RATIO} cannot be told from a soft gear. A heavier load is damped less"
             ));
         }
         if noise_counts > MOST_NOISE_COUNTS {
@@ -133,7 +127,7 @@ impl Tapped {
                 "the taps tell too little, or disagree: the standard error of stiffness or damping is {found}, and a \
                  result has {percent:.0} % at most. The ring is {ring_counts:.1} counts of the encoder high. More \
                  --taps help, a larger --strength, and a load of some times its rotor's inertia ({rotor:.5} kg m2; it \
-                 has {load:.5}) that nothing else shakes{by_current}"
+                 has {load:.5}) that nothing else shakes"
             ));
         }
         let torque = full_nm / self.believed_full_nm;

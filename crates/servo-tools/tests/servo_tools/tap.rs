@@ -157,7 +157,7 @@ fn explore() {
             Ok(tapped) => {
                 let joint = tapped.fitted.joint;
                 println!(
-                    "{line}: K {:+.1} % c {:+.1} %\n   {tapped}",
+                    "{line}: K {:+.1} % c {:+.1} % se {:.3?} torque {:.2}\n   {tapped}",
                     100.0 * (joint.stiffness_nm_rad / truth.gear_stiffness_nm_rad - 1.0),
                     100.0 * (joint.damping_nm_s / truth.gear_damping_nm_s - 1.0)
                 );
