@@ -229,8 +229,7 @@ fn ensure_strength<E: Exchange>(
     };
     let takes = registers.counts(plan.most_part());
     if takes > registers.most {
-        let name =
-            if registers.gain.is_some() { "PWM Limit" } else { "Torque Limit" };
+        let name = if registers.gain.is_some() { "PWM Limit" } else { "Torque Limit" };
         let scale = Scale::of(&registers.limit);
         return refused(name, scale.quantity(registers.most), scale.quantity(takes));
     }

@@ -249,7 +249,9 @@ impl Problem<'_> {
             row[OWN + 3] = wound;
             row[OWN + 4] = -speed * SHARED_DELAY_S;
             row[OWN + SHARED] = position - begin[1] - here;
-            row.iter_mut().for_each(|number| *number *= scale);
+            for number in &mut row {
+                *number *= scale;
+            }
             for (a, sums) in row.iter().zip(&mut sums) {
                 for (b, sum) in row.iter().zip(sums.iter_mut()) {
                     *sum += a * b;
@@ -349,48 +351,54 @@ impl Problem<'_> {
 mod tests {
     use super::*;
 
+    const COUNT_RAD: f64 = 1.533_98e-3;
+
+    /// Taps of a joint as an encoder sees them, none as another.
+    fn taps(joint: &Joint, full_nm: f64) -> Vec<Tap> {
+        let curves = joint.curves(0.2);
+        let tap = |index: u32| {
+            let [place, speed, late] =
+                [0.618_034, 0.754_878, 0.819_173].map(|step| (f64::from(index) * step).fract());
+            let samples = (-20..53).map(|ms| {
+                let time_s = 1e-3 * f64::from(ms);
+                let [creep, preload, step] =
+                    [0.04, 0.039, -1e-3 * late].map(|more_s| curves.at(time_s + more_s));
+                let torque_nm = |part: f64, point: &Point| part * full_nm * point.free[3];
+                let position_rad = 10.0 * place * COUNT_RAD
+                    + (0.1 + 0.05 * speed) * creep.free[0]
+                    + torque_nm(0.1, &preload)
+                    + torque_nm(0.5, &step);
+                [time_s, (position_rad / COUNT_RAD).round() * COUNT_RAD]
+            });
+            Tap { samples: samples.collect(), step: 0.5, meet_s: 0.1 }
+        };
+        (0..100).map(tap).collect()
+    }
+
     #[test]
-    fn synth() {
-        let count = 1.53398e-3;
-        let truth = Joint {
-            rotor_kg_m2: 0.005,
-            load_kg_m2: 0.005,
-            stiffness_nm_rad: 285.8,
-            damping_nm_s: 0.359,
-            drag_nm_s: 0.43,
-            load_frictions: [0.0; 2],
-        };
-        let believed = Joint { stiffness_nm_rad: 142.9, drag_nm_s: 0.45, ..truth };
-        let curves = truth.curves(0.2);
-        let mut seed = 7_u64;
-        let mut random = || {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (seed >> 33) as f64 / (1u64 << 31) as f64
-        };
-        for round in 0..12 {
-            let taps: Vec<Tap> = (0..50)
-                .map(|_| {
-                    let (delay, x0, v0) =
-                        (1e-3 * random(), 10.0 * random() * count, 0.1 + 0.05 * random());
-                    let samples = (-20..53)
-                        .map(|ms| {
-                            let t = 1e-3 * f64::from(ms);
-                            let x = x0
-                                + v0 * curves.at(t + 0.04).free[0]
-                                + 0.1 * 2.6 * curves.at(t + 0.039).free[3]
-                                + 0.5 * 2.6 * curves.at(t - delay).free[3];
-                            [t, (x / count).round() * count]
-                        })
-                        .collect();
-                    Tap { samples, step: 0.5, meet_s: 0.1 }
-                })
-                .collect();
-            let f = fit(&believed, 2.85, &taps, count);
-            println!(
-                "round {round} K {:.3} c {:.3} {f:?}",
-                f.joint.stiffness_nm_rad / truth.stiffness_nm_rad,
-                f.joint.damping_nm_s / truth.damping_nm_s
-            );
+    fn what_taps_were_made_of_is_found_within_three_standard_errors() {
+        for (stiffness, damping) in [(286.0, 0.36), (143.0, 0.12), (71.0, 0.36)] {
+            let joint = Joint {
+                rotor_kg_m2: 5e-3,
+                load_kg_m2: 5e-3,
+                stiffness_nm_rad: stiffness,
+                damping_nm_s: damping,
+                drag_nm_s: 0.43,
+                load_frictions: [0.06, 0.03],
+            };
+            let believed =
+                Joint { stiffness_nm_rad: 143.0, damping_nm_s: 0.36, drag_nm_s: 0.45, ..joint };
+            let fitted = fit(&believed, 2.85, &taps(&joint, 2.6), COUNT_RAD);
+            let off = [
+                fitted.joint.stiffness_nm_rad / stiffness - 1.0,
+                fitted.joint.damping_nm_s / damping - 1.0,
+            ];
+            for (off, error) in off.iter().zip(fitted.errors) {
+                assert!(off.abs() < 3.0 * error && error < 0.08, "{off} {fitted:?}");
+            }
+            assert!((fitted.full_nm / 2.6 - 1.0).abs() < 0.05, "{fitted:?}");
+            // Steps of the encoder, evenly spread: 1/sqrt(12) of a count.
+            assert!((fitted.noise_counts - 0.29).abs() < 0.02, "{fitted:?}");
         }
     }
 }

@@ -47,6 +47,8 @@ pub struct Settings {
     pub load: Load,
 }
 
+/// Least inertia of what hangs on a servo, in inertias of its rotor.
+const LEAST_LOAD: f64 = 0.3;
 /// Parts of the taps that are fitted each by itself, to see whether they agree.
 pub const PARTS: usize = 5;
 
@@ -61,13 +63,21 @@ impl TapTest {
     /// Plans a test, by what is known of the servo's kind and of what hangs on it. It only reads.
     ///
     /// # Errors
-    /// Those of [`Client::read_bytes`].
+    /// Those of [`Client::read_bytes`], and [`ServiceError::State`] if so little hangs on it that it cannot ring.
     pub fn new<E: Exchange>(
         client: &mut Client<E>,
         servo: &Servo,
         model: &ServoModel,
         settings: &Settings,
     ) -> Result<Self, ServiceError> {
+        let [rotor, load] = [model.rotor_inertia_kg_m2.value, settings.load.inertia_kg_m2];
+        if load < LEAST_LOAD * rotor {
+            let what = format!(
+                "what hangs on it has an inertia of {load:.5} kg m2, and its rotor {rotor:.5}: with less than \
+                 {LEAST_LOAD} of that its ring is damped too soon. Fix a weight to it, and tell the inertia of both"
+            );
+            return Err(ServiceError::State { id: servo.id, what });
+        }
         let was_on = torque_is_on(client, servo)?;
         let plan = Plan::new(model, settings, was_on);
         Ok(Self { servo: servo.clone(), plan })

@@ -68,9 +68,6 @@ const FULL_RAD: f64 = 0.12;
 /// How far it creeps at most until it is seen, and what it goes further meanwhile by the speed that it has then, rad.
 const CREEP_RAD: f64 = 0.08;
 const WAY_MARGIN: f64 = 1.15;
-/// A joint whose gravity is more than this many times its servo's friction is tapped against gravity only: the other
-/// way gravity would take its teeth apart.
-const GRAVITY_FRICTIONS: f64 = 2.0;
 /// It goes back with so much more than gravity takes, of its full torque.
 const BACK_PART: f64 = 0.3;
 /// It stands with so much more than twice what gravity takes: less than friction.
@@ -83,13 +80,15 @@ const SURE_FRICTION: f64 = 0.5;
 const VARIES: f64 = 0.2;
 
 impl Plan {
-    /// Plans. A servo that stands without torque has no gravity that its friction does not hold.
+    /// Plans. A servo that stands without torque has no more gravity than its friction holds.
     pub(super) fn new(model: &ServoModel, settings: &Settings, was_on: bool) -> Self {
         let (joint, full_nm) = believed(model, &settings.load);
-        let gravity_nm = if was_on { settings.load.gravity_nm } else { 0.0 };
         let friction_nm = model.friction_nm.value;
-        let direction = match (gravity_nm.abs() > GRAVITY_FRICTIONS * friction_nm, gravity_nm > 0.0)
-        {
+        let most_nm = if was_on { f64::INFINITY } else { friction_nm };
+        let gravity_nm = settings.load.gravity_nm.clamp(-most_nm, most_nm);
+        let at_shaft_nm = SURE_FRICTION * model.output_friction_share() * friction_nm;
+        // With gravity, it would take the teeth apart that friction at the shaft keeps together.
+        let direction = match (gravity_nm.abs() > at_shaft_nm, gravity_nm > 0.0) {
             (false, _) => Direction::Both,
             (true, true) => Direction::Down,
             (true, false) => Direction::Up,
@@ -107,7 +106,7 @@ impl Plan {
             strength: settings.strength,
             preload: PRELOAD,
             gravity_part: gravity_nm.abs() / full_nm,
-            friction_nm: SURE_FRICTION * model.output_friction_share() * friction_nm,
+            friction_nm: at_shaft_nm,
             meet_s: periods(MEET_PERIODS, MEET_S),
             preload_s: periods(PRELOAD_PERIODS, PRELOAD_S),
             before_s: periods(BEFORE_PERIODS, BEFORE_S),
@@ -115,8 +114,9 @@ impl Plan {
             gain: gain.max(1.0),
             way_rad: 0.0,
         };
-        plan.way_rad =
-            WAY_MARGIN * plan.rigid_way_rad() + CREEP_RAD + Self::lead_rad(plan.most_part().min(1.0));
+        plan.way_rad = WAY_MARGIN * plan.rigid_way_rad()
+            + CREEP_RAD
+            + Self::lead_rad(plan.most_part().min(1.0));
         plan
     }
 

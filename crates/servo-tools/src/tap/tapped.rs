@@ -18,8 +18,8 @@ const LEAST_READINGS: f64 = 4.0;
 /// Largest deviation of readings from what a rotor, a gear and a load do, counts: a time that is off by a millisecond
 /// makes no more.
 const MOST_NOISE_COUNTS: f64 = 1.0;
-/// What the motor's torque may be beside what is known of its kind. Friction that grows with the load takes some 15 %.
-const TORQUE_RATIOS: [f64; 2] = [0.6, 1.3];
+/// What the motor's torque may be beside what is known of its kind.
+const TORQUE_RATIOS: [f64; 2] = [0.75, 1.3];
 
 /// What a tap test came to.
 #[derive(Debug, Clone, PartialEq)]
@@ -115,8 +115,7 @@ impl Tapped {
             ));
         }
         let worst = self.errors[0].max(self.errors[1]);
-        // Not a number is none.
-        if !(worst <= MOST_ERROR) {
+        if worst.is_nan() || worst > MOST_ERROR {
             let percent = 100.0 * MOST_ERROR;
             let found = if worst < 1.0 {
                 format!("{:.0} %", 100.0 * worst)

@@ -1,4 +1,7 @@
-//! Tap tests of simulated servos: what was put in is found.
+//! Tap tests of simulated servos: what was put in is found, or refused with a reason.
+
+use std::io;
+use std::time::Duration;
 
 use sinew_rig::description::ServoModel;
 use sinew_servo_sim::bench::Bench;
@@ -8,93 +11,124 @@ use sinew_servo_sim::model::Parameters;
 use sinew_servo_sim::supply::Supply;
 use sinew_servo_sim::variation::{Change, Variation};
 use sinew_servo_tools::tap::{Load, Settings, TapTest, Tapped};
-use sinew_servo_tools::{Client, Protocol, ServiceError, Settings as Patience};
+use sinew_servo_tools::{Client, Exchange, Protocol, ServiceError, Settings as Patience};
 
 use crate::common::SimLine;
 
-/// A servo, its load, and how it differs from its kind.
+/// A servo, what hangs on it, and how it differs from its kind.
+#[derive(Clone, Copy)]
 struct Case {
     kind: &'static str,
-    /// In inertias of its rotor.
+    /// Inertia of what hangs on it, in inertias of its rotor.
     load: f64,
-    /// Part of its stall torque, at level.
+    /// What gravity takes where it holds, a part of its stall torque; with any it is on, else limp.
     gravity: f64,
     changes: &'static [&'static str],
-    mode: Option<i32>,
 }
 
+/// Torque Enable and Operating Mode of a Dynamixel, Torque Enable of a Feetech.
+const TORQUE: u16 = 64;
+const MODE: u16 = 11;
+const FEETECH_TORQUE: u16 = 40;
+/// Goal Position of a Dynamixel.
+const GOAL: u16 = 116;
+const BAUD: u32 = 1_000_000;
+/// Steps of the gear in one of the servo: it damps by no more than a per cent or two then.
+const GEAR_STEPS: u32 = 20;
+
 impl Case {
-    /// Kind as it is.
-    fn truth(&self) -> Parameters {
+    const fn new(kind: &'static str, load: f64, changes: &'static [&'static str]) -> Self {
+        Self { kind, load, gravity: 0.0, changes }
+    }
+
+    /// The kind as it is simulated.
+    fn simulated(&self) -> Parameters {
         let mut kind = Parameters::built_in(self.kind).unwrap();
         let changes: Vec<Change> = self.changes.iter().map(|word| word.parse().unwrap()).collect();
-        Variation::of(&changes).unwrap().change_servo(&mut kind, 0.002);
+        Variation::of(&changes).unwrap().change_servo(&mut kind, 1e-3);
         kind
     }
 
-    fn tap(&self, strength: f64, taps: u32) -> Result<Tapped, ServiceError> {
-        let kind = self.truth();
-        let model = ServoModel::built_in(self.kind).unwrap();
-        let load_kg_m2 = self.load * model.rotor_inertia_kg_m2.value;
-        let gravity_nm = self.gravity * model.stall_torque_nm.value;
-        let middle = 0.5 * kind.range_rad;
-        let arm =
-            Arm { inertia_kg_m2: load_kg_m2, gravity_nm, level_rad: middle, ..Arm::default() };
+    fn model(&self) -> ServoModel {
+        ServoModel::built_in(self.kind).unwrap()
+    }
+
+    /// The servo on a line, after registers were set as a person sets them.
+    fn line(&self, registers: &[(u16, i32)]) -> SimLine {
+        let (kind, model) = (self.simulated(), self.model());
+        let arm = Arm {
+            inertia_kg_m2: self.load * model.rotor_inertia_kg_m2.value,
+            gravity_nm: self.gravity * model.stall_torque_nm.value,
+            level_rad: 0.5 * kind.range_rad,
+            ..Arm::default()
+        };
         let memory = Box::leak(Box::new([0; MEMORY_LEN]));
         let mut servo = SimServo::new(&kind, 1, memory).unwrap();
-        servo.set_baud(1_000_000).unwrap();
-        servo.refine_gear(20);
+        servo.set_baud(BAUD).unwrap();
+        servo.refine_gear(GEAR_STEPS);
+        let torque = if self.protocol() == Protocol::Feetech { FEETECH_TORQUE } else { TORQUE };
+        let is_on = i32::from(self.gravity > 0.0);
+        for (register, value) in registers.iter().chain(&[(torque, is_on)]) {
+            servo.set(*register, *value);
+        }
         let mut line = SimLine::new(&[(self.kind, 1)]);
         line.bench = Bench::new(vec![servo], vec![arm], Supply::stiff(kind.voltage_v));
-        let protocol =
-            if self.kind.starts_with('S') { Protocol::Feetech } else { Protocol::Dynamixel };
-        let mut client = Client::new(line, protocol, 1_000_000, Patience::default()).unwrap();
-        let servo = client.open(1, None).unwrap();
-        let load = Load { inertia_kg_m2: load_kg_m2, gravity_nm: -gravity_nm };
-        let settings = Settings { taps, strength, load };
-        if let Some(mode) = self.mode {
-            client.line_mut().bench.servos_mut()[0].set(11, mode);
-        }
-        if gravity_nm > 0.0 {
-            // It holds what hangs on it.
-            let torque = if self.kind.starts_with('S') { 40 } else { 64 };
-            client.line_mut().bench.servos_mut()[0].set(torque, 1);
-        }
-        let test = TapTest::new(&mut client, &servo, &model, &settings)?;
-        println!("reach {:.1} deg", test.reach_rad().to_degrees());
+        line
+    }
+
+    fn protocol(&self) -> Protocol {
+        if self.kind.starts_with('S') { Protocol::Feetech } else { Protocol::Dynamixel }
+    }
+
+    fn settings(&self, taps: u32) -> Settings {
+        let model = self.model();
+        let load = Load {
+            inertia_kg_m2: self.load * model.rotor_inertia_kg_m2.value,
+            gravity_nm: -self.gravity * model.stall_torque_nm.value,
+        };
+        Settings { taps, strength: 0.5, load }
+    }
+
+    fn tap_on(&self, line: impl Exchange, settings: &Settings) -> Result<Tapped, ServiceError> {
+        let mut client = Client::new(line, self.protocol(), BAUD, Patience::default())?;
+        let servo = client.open(1, None)?;
+        let test = TapTest::new(&mut client, &servo, &self.model(), settings)?;
         test.run(&mut client, &mut |_| true)
+    }
+
+    /// Found over put in, less 1: of stiffness and of damping.
+    fn off(&self, tapped: &Tapped) -> [f64; 2] {
+        let (found, simulated) = (tapped.fitted.joint, self.simulated());
+        [
+            found.stiffness_nm_rad / simulated.gear_stiffness_nm_rad - 1.0,
+            found.damping_nm_s / simulated.gear_damping_nm_s - 1.0,
+        ]
     }
 }
 
-/// Nine cases, three of each kind; the table is printed.
+/// Taps five servos of a kind with 100 taps each. Each is found within 20 %.
 fn found(kind: &'static str) {
-    let case = |load, gravity, changes| Case { kind, load, gravity, changes, mode: None };
     let cases = [
-        case(1.0, 0.0, &[] as &[&str]),
-        case(2.0, 0.1, &["stiffness=0.5", "play=2"]),
-        case(0.5, 0.0, &["damping=0.33"]),
-        case(1.0, 0.0, &["stiffness=2"]),
-        case(4.0, 0.05, &["stiffness=2", "damping=0.33", "play=2"]),
-        case(2.0, 0.0, &["stiffness=0.5"]),
+        Case::new(kind, 1.0, &[]),
+        Case::new(kind, 0.5, &["stiffness=2", "damping=0.33"]),
+        Case::new(kind, 1.0, &["damping=0.33"]),
+        Case::new(kind, 1.0, &["stiffness=2", "play=2"]),
+        Case { gravity: 0.1, ..Case::new(kind, 1.0, &["stiffness=0.5", "play=2"]) },
     ];
     let mut worst: f64 = 0.0;
-    for case in &cases {
-        let truth = case.truth();
-        let name =
-            format!("{} load {} gravity {} {:?}", case.kind, case.load, case.gravity, case.changes);
-        let tapped = match case.tap(strength(), taps()) {
-            Ok(tapped) => tapped,
-            Err(error) => {
-                println!("{name}: {error}");
-                worst = f64::INFINITY;
-                continue;
-            }
-        };
-        let joint = tapped.fitted.joint;
-        let [stiffness, damping] = [truth.gear_stiffness_nm_rad, truth.gear_damping_nm_s];
-        let off = [joint.stiffness_nm_rad / stiffness - 1.0, joint.damping_nm_s / damping - 1.0];
+    for case in cases {
+        let tapped = case.tap_on(case.line(&[]), &case.settings(100)).unwrap();
+        let (joint, simulated) = (tapped.fitted.joint, case.simulated());
+        let off = case.off(&tapped);
         println!(
-            "{name}: {stiffness:.1} {damping:.4}: off {:+.1} %, {:+.1} %\n{tapped}",
+            "{kind}, load {}, gravity {}, {:?}: {:.1} {:.4} put in, {:.1} {:.4} found ({:+.1} %, {:+.1} %)",
+            case.load,
+            case.gravity,
+            case.changes,
+            simulated.gear_stiffness_nm_rad,
+            simulated.gear_damping_nm_s,
+            joint.stiffness_nm_rad,
+            joint.damping_nm_s,
             100.0 * off[0],
             100.0 * off[1]
         );
@@ -109,6 +143,16 @@ fn the_gear_of_an_xl330_is_found() {
 }
 
 #[test]
+fn the_gear_of_an_xl430_is_found() {
+    found("XL430-W250-T");
+}
+
+#[test]
+fn the_gear_of_an_mx_28_is_found() {
+    found("MX-28");
+}
+
+#[test]
 fn the_gear_of_an_mx_64_is_found() {
     found("MX-64");
 }
@@ -119,58 +163,144 @@ fn the_gear_of_an_sts3215_is_found() {
 }
 
 #[test]
-fn the_gear_of_an_xm430_is_found() {
-    found("XM430-W350-T");
+fn a_servo_that_limits_its_current_is_tapped_as_others() {
+    let case = Case::new("XL330-M288-T", 1.0, &[]);
+    let tapped = case.tap_on(case.line(&[(MODE, 5)]), &case.settings(100)).unwrap();
+    assert!(case.off(&tapped).iter().all(|off| off.abs() < 0.2), "{tapped}");
+    // With a limit of current that the tap would meet.
+    let line = case.line(&[(MODE, 5), (38, 700)]);
+    let error = case.tap_on(line, &case.settings(100)).unwrap_err().to_string();
+    assert!(
+        error.contains("its Current Limit is 0.700 A, and this tap takes up to 1.0"),
+        "{error}"
+    );
 }
 
+/// Its rotor is light, its gear stiff, and its motor brakes: the ring is over before an encoder sees it.
 #[test]
-fn the_gear_of_an_mx_28_is_found() {
-    found("MX-28");
-}
-
-#[test]
-fn the_gear_of_an_xl430_is_found() {
-    found("XL430-W250-T");
-}
-
-#[test]
-#[ignore = "explore"]
-fn explore() {
-    for line in std::env::var("TAP_CASES").unwrap().split(';') {
-        let words: Vec<&str> = line.split_whitespace().collect();
-        let mode =
-            words[3..].iter().find_map(|w| w.strip_prefix("mode")).map(|m| m.parse().unwrap());
-        let changes: Vec<&'static str> = words[3..]
-            .iter()
-            .filter(|w| !w.starts_with("mode"))
-            .map(|w| &*Box::leak(w.to_string().into_boxed_str()))
-            .collect();
-        let case = Case {
-            kind: Box::leak(words[0].to_owned().into_boxed_str()),
-            load: words[1].parse().unwrap(),
-            gravity: words[2].parse().unwrap(),
-            changes: Box::leak(changes.into_boxed_slice()),
-            mode,
-        };
-        let truth = case.truth();
-        match case.tap(strength(), taps()) {
-            Ok(tapped) => {
-                let joint = tapped.fitted.joint;
-                println!(
-                    "{line}: K {:+.1} % c {:+.1} % se {:.3?} torque {:.2}\n   {tapped}",
-                    100.0 * (joint.stiffness_nm_rad / truth.gear_stiffness_nm_rad - 1.0),
-                    100.0 * (joint.damping_nm_s / truth.gear_damping_nm_s - 1.0)
-                );
-            }
-            Err(error) => println!("{line}: {error}"),
+fn an_xm430_is_refused() {
+    for (load, changes) in [(1.0, &[] as &[&str]), (4.0, &["damping=0.33"]), (10.0, &[])] {
+        let case = Case::new("XM430-W350-T", load, changes);
+        for mode in [3, 5] {
+            let line = case.line(&[(MODE, mode)]);
+            let error = case.tap_on(line, &case.settings(100)).unwrap_err().to_string();
+            let is_said = ["tell too little", "rings by", "does not ring", "too seldom"]
+                .iter()
+                .any(|words| error.contains(words));
+            assert!(is_said, "{load}: {error}");
         }
     }
 }
 
-fn taps() -> u32 {
-    std::env::var("TAP_N").map_or(100, |n| n.parse().unwrap())
+#[test]
+fn what_makes_a_number_wrong_is_refused() {
+    let case = Case::new("MX-64", 2.0, &[]);
+    // The rig's file has half of the inertia.
+    let mut settings = case.settings(100);
+    settings.load.inertia_kg_m2 *= 0.5;
+    let error = case.tap_on(case.line(&[]), &settings).unwrap_err().to_string();
+    assert!(error.contains("it speeds up as if its motor had"), "{error}");
+    // Hardly anything hangs on it.
+    settings.load.inertia_kg_m2 = 1e-3;
+    let error = case.tap_on(case.line(&[]), &settings).unwrap_err().to_string();
+    assert!(error.contains("Fix a weight to it"), "{error}");
+    // Its position may not go so far: Min and Max Position Limit.
+    let line = case.line(&[(52, 2000), (48, 2100)]);
+    let error = case.tap_on(line, &case.settings(40)).unwrap_err().to_string();
+    assert!(error.contains("deg of room"), "{error}");
+    // It gives no more than a quarter of its supply: PWM Limit.
+    let error = case.tap_on(case.line(&[(36, 221)]), &case.settings(40)).unwrap_err().to_string();
+    assert!(error.contains("its PWM Limit is 25.0 %"), "{error}");
+    // A current mode has no goal to hold.
+    let error = case.tap_on(case.line(&[(MODE, 0)]), &case.settings(40)).unwrap_err().to_string();
+    assert!(error.contains("Set a mode of position first"), "{error}");
 }
 
-fn strength() -> f64 {
-    std::env::var("TAP_S").map_or(0.5, |n| n.parse().unwrap())
+/// All that a test may change: by address.
+fn registers(servo: &SimServo<'_>) -> [(u16, i32); 7] {
+    // Torque, gain of position, Goal PWM and Current, profile, in this order.
+    [TORQUE, 84, 100, 102, 108, 112, MODE].map(|address| (address, servo.get(address)))
+}
+
+#[test]
+fn a_test_that_is_ended_leaves_all_as_it_was() {
+    let case = Case::new("XL330-M288-T", 1.0, &[]);
+    for is_on in [false, true] {
+        let mut line = case.line(&[(MODE, 5)]);
+        let bench = &mut line.bench;
+        for (address, value) in [(84, 444), (100, 600), (102, 900), (108, 30), (112, 200)] {
+            bench.servos_mut()[0].set(address, value);
+        }
+        bench.servos_mut()[0].set(TORQUE, is_on.into());
+        let before = registers(&bench.servos()[0]);
+        let mut client = Client::new(line, Protocol::Dynamixel, BAUD, Patience::default()).unwrap();
+        let servo = client.open(1, None).unwrap();
+        let test = TapTest::new(&mut client, &servo, &case.model(), &case.settings(30)).unwrap();
+        let mut taps = 0;
+        let error = test.run(&mut client, &mut |index| {
+            taps = index;
+            index < 3
+        });
+        assert!(error.unwrap_err().to_string().contains("the test was ended"));
+        assert_eq!(taps, 3);
+        let servo = &client.line_mut().bench.servos()[0];
+        assert_eq!(registers(servo), before);
+        // As far from its goal as friction holds it: 0.0128 N m of 0.55 N m/rad, and its play.
+        assert!((servo.shaft().position_rad - std::f64::consts::PI).abs() < 0.05);
+    }
+}
+
+/// A line on which goals are lost once a tap is under way.
+struct LosesGoals {
+    line: SimLine,
+    heard: u32,
+}
+
+impl Exchange for LosesGoals {
+    fn exchange(
+        &mut self,
+        bytes: &[u8],
+        wait: Duration,
+        take: &mut dyn FnMut(&[u8]) -> bool,
+    ) -> io::Result<()> {
+        let [low, high] = GOAL.to_le_bytes();
+        if bytes.get(7..10) == Some(&[3, low, high]) {
+            self.heard += 1;
+            // Where it stands, and where it is tapped to; not back.
+            if self.heard > 2 {
+                self.line.pause(wait);
+                return Ok(());
+            }
+        }
+        self.line.exchange(bytes, wait, take)
+    }
+
+    fn set_baud(&mut self, baud: u32) -> io::Result<()> {
+        self.line.set_baud(baud)
+    }
+
+    fn pause(&mut self, time: Duration) {
+        self.line.pause(time);
+    }
+
+    fn now(&mut self) -> Duration {
+        self.line.now()
+    }
+}
+
+#[test]
+fn a_servo_that_takes_no_goal_is_limp_with_all_registers_as_before() {
+    let case = Case::new("XL330-M288-T", 1.0, &[]);
+    let mut line = case.line(&[]);
+    line.bench.servos_mut()[0].set(TORQUE, 1);
+    let before = registers(&line.bench.servos()[0]);
+    let line = LosesGoals { line, heard: 0 };
+    let mut client = Client::new(line, Protocol::Dynamixel, BAUD, Patience::default()).unwrap();
+    let servo = client.open(1, None).unwrap();
+    let test = TapTest::new(&mut client, &servo, &case.model(), &case.settings(30)).unwrap();
+    let error = test.run(&mut client, &mut |_| true).unwrap_err().to_string();
+    assert!(error.contains("Goal Position"), "{error}");
+    let after = registers(&client.line_mut().line.bench.servos()[0]);
+    assert_eq!(after[0], (TORQUE, 0));
+    assert_eq!(after[1..], before[1..]);
 }

@@ -75,21 +75,6 @@ impl Exchange for SimLine {
         take: &mut dyn FnMut(&[u8]) -> bool,
     ) -> io::Result<()> {
         self.sent.push(bytes.to_vec());
-        if std::env::var("TAP_TRACE").is_ok() {
-            let t = self.bench.time_s();
-            let is_write = bytes.len() != 8 && bytes.len() != 14;
-            let g = self.bench.servos_mut()[0].gear_mut();
-            let f = g.flow();
-            println!(
-                "TRACE {t:.5} {} twist {:.2} shaft {:.2} speed {:.3} motor {:.3} shaft {:.3}",
-                if is_write { "W" } else { "r" },
-                (g.rotor.position_rad - g.shaft.position_rad) / 1.53398e-3,
-                g.shaft.position_rad / 1.53398e-3,
-                g.shaft.velocity_rad_s,
-                f.motor_nm,
-                f.shaft_nm
-            );
-        }
         if self.echoes {
             take(bytes);
         }
