@@ -111,6 +111,7 @@ fn taps<E: Exchange>(
     held: i32,
     goes_on: &mut dyn FnMut(u32) -> bool,
 ) -> Result<Recorded, ServiceError> {
+    ensure_it_answers_writes(client, servo, registers, plan)?;
     let (mut taps, mut farthest) = (Vec::new(), 0);
     for index in 0..plan.taps {
         if !goes_on(index) {
@@ -241,6 +242,23 @@ fn ensure_strength<E: Exchange>(
         }
     }
     Ok(())
+}
+
+/// Refuses to tap a servo whose writes are waited for in vain: the ring would be over by then.
+fn ensure_it_answers_writes<E: Exchange>(
+    client: &mut Client<E>,
+    servo: &Servo,
+    registers: &Registers,
+    plan: &Plan,
+) -> Result<(), ServiceError> {
+    let begin = client.now();
+    put(client, servo, &registers.limit, registers.part(plan.back_part()))?;
+    if client.now() < begin + client.patience() {
+        return Ok(());
+    }
+    let what = "it answers no writes, or too late: its Status Return Level must be such that it does, 2 for a \
+                Dynamixel (`sinew servo apply`)";
+    Err(ServiceError::State { id: servo.id, what: what.to_owned() })
 }
 
 /// Refuses to tap where its limits of position leave no room.

@@ -211,6 +211,9 @@ fn what_makes_a_number_wrong_is_refused() {
     // It gives no more than a quarter of its supply: PWM Limit.
     let error = case.tap_on(case.line(&[(36, 221)]), &case.settings(40)).unwrap_err().to_string();
     assert!(error.contains("its PWM Limit is 25.0 %"), "{error}");
+    // It answers reads only: Status Return Level.
+    let error = case.tap_on(case.line(&[(68, 1)]), &case.settings(40)).unwrap_err().to_string();
+    assert!(error.contains("it answers no writes"), "{error}");
     // A current mode has no goal to hold.
     let error = case.tap_on(case.line(&[(MODE, 0)]), &case.settings(40)).unwrap_err().to_string();
     assert!(error.contains("Set a mode of position first"), "{error}");

@@ -65,7 +65,8 @@ pub(super) struct TapArgs {
     #[arg(long, value_name = "%", default_value_t = 50, value_parser = clap::value_parser!(u8).range(5..=60))]
     strength: u8,
 
-    /// Inertia of what hangs on the servo, in kg m². Default: that of the rig at its home pose.
+    /// Inertia of what hangs on the servo, in kg m², with a weight that is fixed to it for the test. Default: that of
+    /// the rig at its home pose.
     #[arg(long, value_name = "KG_M2", value_parser = inertia)]
     inertia_kg_m2: Option<f64>,
 
@@ -94,11 +95,12 @@ pub(super) fn run(line: &LineArgs, args: &TapArgs) -> anyhow::Result<ExitCode> {
     let text = sinew_mocap::read::text(&args.rig).with_context(name)?;
     let loaded = read(&args.rig)?;
     let servo = of_name(&loaded, &args.servo)?;
-    let load = servos(&loaded.description, &loaded.mechanism)
+    let mut load = servos(&loaded.description, &loaded.mechanism)
         .with_context(name)?
         .into_iter()
         .find(|load| load.name == args.servo)
         .context("the rig has no such servo")?;
+    load.load.inertia_kg_m2 = args.inertia_kg_m2.unwrap_or(load.load.inertia_kg_m2);
     let settings = settings(args, &load);
     let tapped = match args.target {
         Some(TargetArg::Sim) => tapped_sim::tap(&servo, load, &args.plant, &settings)?,
@@ -134,7 +136,7 @@ fn settings(args: &TapArgs, load: &Loaded) -> Settings {
         taps: args.taps,
         strength: f64::from(args.strength) / 100.0,
         load: Load {
-            inertia_kg_m2: args.inertia_kg_m2.unwrap_or(load.load.inertia_kg_m2),
+            inertia_kg_m2: load.load.inertia_kg_m2,
             gravity_nm: load.load.torque_nm(at_home),
         },
     }

@@ -9,3 +9,4 @@ mod process;
 mod refused;
 #[cfg(unix)]
 mod simulate;
+mod tap;
