@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
 use sinew_host_util::command::{note, print, table};
+use sinew_host_util::output::write;
 use sinew_performance::rig::LoadedRig;
 use sinew_rig::description::SourcedValue;
 use sinew_servo_sim::load::{Load as _, Shaft};
@@ -41,7 +42,7 @@ pub(super) struct TapArgs {
     #[arg(long, value_name = "RIG")]
     rig: PathBuf,
 
-    /// File to write, in place of the rig's own.
+    /// New file to write, in place of the rig's own.
     #[arg(short, long, value_name = "FILE", conflicts_with = "dry_run")]
     output: Option<PathBuf>,
 
@@ -92,6 +93,9 @@ fn inertia(text: &str) -> Result<f64, String> {
 /// Taps, prints and writes.
 pub(super) fn run(line: &LineArgs, args: &TapArgs) -> anyhow::Result<ExitCode> {
     let name = || args.rig.display().to_string();
+    if let Some(path) = args.output.as_ref().filter(|path| path.exists()) {
+        bail!("{}: is there already", path.display());
+    }
     let text = sinew_mocap::read::text(&args.rig).with_context(name)?;
     let loaded = read(&args.rig)?;
     let servo = of_name(&loaded, &args.servo)?;
@@ -111,9 +115,12 @@ pub(super) fn run(line: &LineArgs, args: &TapArgs) -> anyhow::Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     let text = with_gear(&text, &servo.model.name, sourced(&servo, &tapped, args.target))?;
-    let output = args.output.as_ref().unwrap_or(&args.rig);
-    replace(output, &text).with_context(|| output.display().to_string())?;
-    note(format_args!("wrote {} into {}", servo.model.name, output.display()));
+    match &args.output {
+        Some(path) => write(path, &text)?,
+        None => replace(&args.rig, &text).with_context(name)?,
+    }
+    let path = args.output.as_ref().unwrap_or(&args.rig);
+    note(format_args!("wrote {} into {}", servo.model.name, path.display()));
     Ok(ExitCode::SUCCESS)
 }
 

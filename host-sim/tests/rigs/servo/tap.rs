@@ -83,7 +83,11 @@ fn what_tells_too_little_is_refused_and_leaves_the_file() {
         // Three light links alone.
         (&[] as &[&str], "Fix a weight to it"),
         (&["--inertia-kg-m2", "0.05"], "has 0.05000"),
-        (&["--inertia-kg-m2", "0.0018", "--taps", "20", "--strength", "5"], "--taps"),
+        (
+            &["--inertia-kg-m2", "0.0018", "--taps", "20", "--strength", "5"],
+            "the shaft rings by 0.",
+        ),
+        (&["-o", rig.to_str().unwrap()], "is there already"),
         (&["--plant", "stiffnes=2"], "stiffness (of gears)"),
     ] {
         let (code, said, errors) = tap(&rig, &[&start as &[&str], args].concat());
