@@ -61,8 +61,8 @@ const PRELOAD_S: [f64; 2] = [0.03, 0.15];
 const BEFORE_PERIODS: f64 = 0.8;
 const BEFORE_S: [f64; 2] = [0.02, 0.06];
 /// Periods of the believed ring that are read after it, within these times, s.
-const WINDOW_PERIODS: f64 = 2.0;
-const WINDOW_S: [f64; 2] = [0.03, 0.15];
+const WINDOW_PERIODS: f64 = 2.7;
+const WINDOW_S: [f64; 2] = [0.03, 0.2];
 /// Error of position at which a servo gives all it has, rad; its gain is raised for it where it can be.
 const FULL_RAD: f64 = 0.12;
 /// How far it creeps at most until it is seen, and what it goes further meanwhile by the speed that it has then, rad.

@@ -106,7 +106,7 @@ impl Case {
     }
 }
 
-/// Taps five servos of a kind with 100 taps each. Each is found within 20 %.
+/// Taps five servos of a kind with 150 taps each. Each is found within 20 %.
 fn found(kind: &'static str) {
     let cases = [
         Case::new(kind, 1.0, &[]),
@@ -117,7 +117,7 @@ fn found(kind: &'static str) {
     ];
     let mut worst: f64 = 0.0;
     for case in cases {
-        let tapped = case.tap_on(case.line(&[]), &case.settings(100)).unwrap();
+        let tapped = case.tap_on(case.line(&[]), &case.settings(150)).unwrap();
         let (joint, simulated) = (tapped.fitted.joint, case.simulated());
         let off = case.off(&tapped);
         println!(
@@ -165,11 +165,11 @@ fn the_gear_of_an_sts3215_is_found() {
 #[test]
 fn a_servo_that_limits_its_current_is_tapped_as_others() {
     let case = Case::new("XL330-M288-T", 1.0, &[]);
-    let tapped = case.tap_on(case.line(&[(MODE, 5)]), &case.settings(100)).unwrap();
+    let tapped = case.tap_on(case.line(&[(MODE, 5)]), &case.settings(150)).unwrap();
     assert!(case.off(&tapped).iter().all(|off| off.abs() < 0.2), "{tapped}");
     // With a limit of current that the tap would meet.
     let line = case.line(&[(MODE, 5), (38, 700)]);
-    let error = case.tap_on(line, &case.settings(100)).unwrap_err().to_string();
+    let error = case.tap_on(line, &case.settings(150)).unwrap_err().to_string();
     assert!(
         error.contains("its Current Limit is 0.700 A, and this tap takes up to 1.0"),
         "{error}"
@@ -183,7 +183,7 @@ fn an_xm430_is_refused() {
         let case = Case::new("XM430-W350-T", load, changes);
         for mode in [3, 5] {
             let line = case.line(&[(MODE, mode)]);
-            let error = case.tap_on(line, &case.settings(100)).unwrap_err().to_string();
+            let error = case.tap_on(line, &case.settings(150)).unwrap_err().to_string();
             let is_said = ["tell too little", "rings by", "does not ring", "too seldom"]
                 .iter()
                 .any(|words| error.contains(words));
@@ -196,7 +196,7 @@ fn an_xm430_is_refused() {
 fn what_makes_a_number_wrong_is_refused() {
     let case = Case::new("MX-64", 2.0, &[]);
     // The rig's file has half of the inertia.
-    let mut settings = case.settings(100);
+    let mut settings = case.settings(150);
     settings.load.inertia_kg_m2 *= 0.5;
     let error = case.tap_on(case.line(&[]), &settings).unwrap_err().to_string();
     assert!(error.contains("it speeds up as if its motor had"), "{error}");

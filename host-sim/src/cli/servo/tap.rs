@@ -59,7 +59,7 @@ pub(super) struct TapArgs {
     plant: Vec<Change>,
 
     /// Number of taps.
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(20..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 150, value_parser = clap::value_parser!(u32).range(20..=1000))]
     taps: u32,
 
     /// Part of its torque at standstill by which a tap steps, in %.
