@@ -181,16 +181,19 @@ impl Plan {
     }
 }
 
-/// Friction per torque where the maker's figures say nothing of it, as where a program caps the speed.
+/// Friction per torque where the maker's figures say nothing of it.
 const LOAD_FRICTION: f64 = 0.1;
+/// The most that figures of a motor come to. More means that the servo's own program caps the speed.
+const MOST_LOAD_FRICTION: f64 = 0.25;
 
 /// Returns what is believed of a joint before it is tapped, and its motor's torque at standstill, N m.
 fn believed(model: &ServoModel, load: &Load) -> (Joint, f64) {
     let [volts, amps] = [model.voltage_v.value, model.stall_current_a.value];
     let stall_nm = model.stall_torque_nm.value;
     let figures = model.motor(model.friction_nm.value);
-    let motor =
-        figures.filter(|motor| (0.0..0.6).contains(&motor.load_friction)).unwrap_or(MotorFigures {
+    let motor = figures
+        .filter(|motor| (0.0..MOST_LOAD_FRICTION).contains(&motor.load_friction))
+        .unwrap_or(MotorFigures {
             torque_constant_nm_a: stall_nm * (1.0 + LOAD_FRICTION) / (1.0 - LOAD_FRICTION) / amps,
             load_friction: LOAD_FRICTION,
         });

@@ -162,6 +162,12 @@ fn the_gear_of_an_sts3215_is_found() {
     found("STS3215-7.4V");
 }
 
+/// Its program caps its speed: the maker's figures say nothing of its motor's friction.
+#[test]
+fn the_gear_of_an_sts3215_of_12_v_is_found() {
+    found("STS3215-12V");
+}
+
 #[test]
 fn a_servo_that_limits_its_current_is_tapped_as_others() {
     let case = Case::new("XL330-M288-T", 1.0, &[]);
