@@ -269,7 +269,7 @@ fn ensure_room<E: Exchange>(
     held: i32,
 ) -> Result<(), ServiceError> {
     let scale = Scale::of(&servo.table.role(Role::GoalPosition)?);
-    let way_deg = plan.way_rad.to_degrees();
+    let way_deg = plan.reach_rad().to_degrees();
     let way = scale.raw(way_deg).unwrap_or(0);
     let least = client.read(servo, &servo.table.role(Role::MinPosition)?)?;
     let most = client.read(servo, &servo.table.role(Role::MaxPosition)?)?;

@@ -83,9 +83,9 @@ impl TapTest {
         Ok(Self { servo: servo.clone(), plan })
     }
 
-    /// Returns how far the servo goes at most, rad: its goal is there while it is tapped.
+    /// Returns how far the servo goes at most, rad.
     pub fn reach_rad(&self) -> f64 {
-        self.plan.way_rad
+        self.plan.reach_rad()
     }
 
     /// Returns the most of its torque at standstill that it takes, 0 to 1.

@@ -68,6 +68,8 @@ const FULL_RAD: f64 = 0.12;
 /// How far it creeps at most until it is seen, and what it goes further meanwhile by the speed that it has then, rad.
 const CREEP_RAD: f64 = 0.08;
 const WAY_MARGIN: f64 = 1.15;
+/// What it goes further while it brakes.
+const BRAKE_MARGIN: f64 = 1.3;
 /// It goes back with so much more than gravity takes, of its full torque.
 const BACK_PART: f64 = 0.3;
 /// It stands with so much more than twice what gravity takes: less than friction.
@@ -148,6 +150,11 @@ impl Plan {
             preload_s: self.preload_s * (1.0 - VARIES * time),
             ..*self
         }
+    }
+
+    /// Returns how far it goes at most, rad: past its goal, if it takes long to brake.
+    pub(super) fn reach_rad(&self) -> f64 {
+        BRAKE_MARGIN * self.way_rad
     }
 
     /// Returns how far ahead its goal must be for a part of the full torque, rad.

@@ -93,7 +93,9 @@ impl Case {
         let mut client = Client::new(line, self.protocol(), BAUD, Patience::default())?;
         let servo = client.open(1, None)?;
         let test = TapTest::new(&mut client, &servo, &self.model(), settings)?;
-        test.run(&mut client, &mut |_| true)
+        let tapped = test.run(&mut client, &mut |_| true)?;
+        assert!(tapped.farthest_rad < test.reach_rad(), "{tapped}");
+        Ok(tapped)
     }
 
     /// Found over put in, less 1: of stiffness and of damping.
