@@ -19,6 +19,7 @@ const DEMAND: ServoRequirements = ServoRequirements {
     friction_nm: 0.0128,
     torque_constant_nm_a: 0.387,
     shutdown_c: 70.0,
+    gain_ratio: 1.0,
 };
 
 fn model(name: &str) -> &'static Model {
