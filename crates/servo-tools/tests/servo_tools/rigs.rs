@@ -279,6 +279,7 @@ fn a_board_comes_to_the_same_counts() {
                 friction_nm: single(model.friction_nm.value),
                 torque_constant_nm_a: single(model.torque_constant_nm_a.value),
                 shutdown_c: single(model.shutdown_c.value),
+                gain_ratio: 1.0,
             };
             let board: Vec<Setting> = match &table {
                 Table::Dynamixel(table) => settings::dynamixel(*table, requirements).collect(),
