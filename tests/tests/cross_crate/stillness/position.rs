@@ -101,9 +101,9 @@ fn stands(
     println!("{name}: {worst:.3?}");
     let found = beyond(&run, poses, lifted_deg, &is_asked);
     let rows: Vec<_> = worse()
-        .par_iter()
+        .into_par_iter()
         .map(|(plant, variation)| {
-            let run = rig.play(&poses.motion, *variation, |_, _| {});
+            let run = rig.play(&poses.motion, variation, |_, _| {});
             (plant, swings(rig, &run, poses, &is_asked))
         })
         .collect();
