@@ -213,6 +213,7 @@ fn all_kinds_get_settings_that_their_registers_take() {
             range_rad: Some([-1.0, 1.0]),
             torque_nm: Some(1e3),
             joint_friction_nm: 0.0,
+            position_gain: None,
         };
         let Some(table) = rig.table() else { continue };
         wanted += if table.has_current() { 4 } else { 2 };

@@ -14,6 +14,9 @@ const SWING_DEG: f64 = 0.6;
 /// The starter arm's XL330 are simulated a quarter stiffer than their model: they are lifted too far, by this at most
 /// beyond what friction and play leave, deg.
 const LIFTED_DEG: f64 = 0.3;
+/// The damping of its load leaves Poppy's trunk less stiff than its gear could bear: it rests this much farther off at
+/// most, deg.
+const TRUNK_DEG: f64 = 0.05;
 const OP3: &str = "robotis-op3/robotis_op3.urdf";
 const POPPY: &str = "poppy-humanoid/Poppy_Humanoid.urdf";
 const MIXED: &[&str] =
@@ -124,12 +127,12 @@ fn the_starter_arm_stands_by_position() {
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn robots_stand_by_position() {
-    for (name, rig) in [
-        ("OP3", robot(OP3, None, &["xm430"])),
-        ("Poppy, MX-64", robot(POPPY, Some("l_knee_y"), &["mx-64"])),
+    for (name, rig, more_deg) in [
+        ("OP3", robot(OP3, None, &["xm430"]), 0.0),
+        ("Poppy, MX-64", robot(POPPY, Some("l_knee_y"), &["mx-64"]), TRUNK_DEG),
     ] {
         let rig = by_position(rig);
-        stands(name, &rig, &poses(&rig), 0.0, |_| true);
+        stands(name, &rig, &poses(&rig), more_deg, |_| true);
     }
 }
 
