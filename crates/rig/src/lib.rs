@@ -16,7 +16,8 @@
 //! - `servo_model`, `actuation/`: kinds of servo (`models/`, each value with its source), and what joints get from
 //!   them.
 //! - `review/`: what `sinew rig check` reports; `flexible_joint/` is the linear model of a loop through a soft gear.
-//! - `tracking`: bandwidth and rest zone of each joint, by its servos' gears.
+//! - `tracking`: bandwidth and rest zone of each joint, by its servos' gears; `stiffness`: how stiffly servos may hold
+//!   by loops of their own.
 //! - `board/`: the compact form that boards read.
 //! - `new/`: an arm and a face to start from.
 
@@ -46,6 +47,8 @@ mod number;
 pub mod review;
 #[cfg(feature = "std")]
 mod servo_model;
+#[cfg(feature = "std")]
+pub mod stiffness;
 #[cfg(feature = "std")]
 pub mod toml_file;
 #[cfg(feature = "std")]

@@ -1,5 +1,5 @@
-//! What the gear of each servo allows its joint's loop: the observer's bandwidth, and the zone in which the joint
-//! rests.
+//! What the gear of each servo allows its joint's loop: the observer's bandwidth, the stiffness of the servo's own loop,
+//! and the zone in which the joint rests.
 
 use sinew_core::TreeError;
 use sinew_core::bandwidth::Bandwidth;
@@ -11,12 +11,15 @@ use crate::drive::DriveInputError;
 use crate::mechanism::{BODY_COUNT_MAX, Link, Mechanism};
 use crate::number::single;
 use crate::review::inertia_ranges;
+use crate::stiffness::Stiffness;
 
 /// What the gear of one servo allows its joint's loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServoTracking {
     /// Bandwidth of the joint's observer, and its reason; none of a servo that moves no joint.
     pub bandwidth: Option<Bandwidth>,
+    /// Stiffness by its own loop, and its reason; none of a servo that moves no joint or has no such loop.
+    pub stiffness: Option<Stiffness>,
     /// The greatest inertia that the servo moves, at its own shaft, kg m², its rotor left out.
     pub load_inertia_kg_m2: f64,
     /// Half the play of its gear and a step of its encoder, at its own shaft, rad.
@@ -62,7 +65,13 @@ pub fn tracking(
             // `actuation` has refused models that are not known.
             let model = rig.servo_model(&servo.model).unwrap_or_default();
             let blind_rad = model.half_play_rad() + model.resolution_rad.value;
-            ServoTracking { bandwidth: None, load_inertia_kg_m2: 0.0, blind_rad, rest: 0.0 }
+            ServoTracking {
+                bandwidth: None,
+                stiffness: None,
+                load_inertia_kg_m2: 0.0,
+                blind_rad,
+                rest: 0.0,
+            }
         })
         .collect();
     for drive in &actuation.drives {
@@ -89,6 +98,7 @@ pub fn tracking(
             );
             let servo = &mut servos[*index];
             servo.bandwidth = bandwidth.ok();
+            servo.stiffness = Stiffness::of(&model, load);
             servo.load_inertia_kg_m2 = load;
             let farthest = moved.iter().map(|moved| f64::from(moved.abs())).fold(0.0, f64::max);
             servo.rest = servo.blind_rad / gear * farthest;

@@ -37,6 +37,8 @@ pub struct ServoRequirements {
     pub torque_constant_nm_a: f32,
     /// Where its kind switches itself off, degC.
     pub shutdown_c: f32,
+    /// Its P gain of position over the factory's: see [`p_gain`].
+    pub gain_ratio: f32,
 }
 
 /// A register, and what it must hold.
@@ -55,6 +57,8 @@ enum RequiredValue {
     Exact(i32),
     /// What the factory sets.
     Factory,
+    /// What the factory sets, times the ratio of the gain.
+    Gain,
     /// The number of the mode.
     Mode,
     /// The temperature at which it switches itself off.
@@ -102,7 +106,7 @@ const DYNAMIXEL: [(u16, RequiredValue); 20] = [
     (dxl::STATUS_LEVEL, RequiredValue::Factory),
     (dxl::POSITION_D, RequiredValue::Factory),
     (dxl::POSITION_I, RequiredValue::Factory),
-    (dxl::POSITION_P, RequiredValue::Factory),
+    (dxl::POSITION_P, RequiredValue::Gain),
     (dxl::FEEDFORWARD_2ND, RequiredValue::Factory),
     (dxl::FEEDFORWARD_1ST, RequiredValue::Factory),
     (dxl::BUS_WATCHDOG, RequiredValue::TorqueOff(DYNAMIXEL_WATCHDOG as i32)),
@@ -117,7 +121,7 @@ const STS: [(u8, RequiredValue); 13] = [
     (feetech::MIN_VOLTAGE, RequiredValue::Factory),
     (feetech::MAX_TORQUE, RequiredValue::TorqueShare(1000)),
     (feetech::UNLOADING, RequiredValue::Exact(STS_UNLOADING)),
-    (feetech::POSITION_P, RequiredValue::Factory),
+    (feetech::POSITION_P, RequiredValue::Gain),
     (feetech::POSITION_D, RequiredValue::Factory),
     (feetech::POSITION_I, RequiredValue::Factory),
     (feetech::OPERATING_MODE, RequiredValue::Mode),
@@ -247,6 +251,15 @@ fn feetech_of(
         .map(move |(item, must)| requirements.setting(*item, *must, mode, requirements.share()))
 }
 
+/// Returns what a register of a P gain holds for a ratio to what the factory sets.
+pub fn p_gain(item: Item, ratio: f32) -> i32 {
+    let bounds = match item.range {
+        Range::Between(_, most) => [1, most],
+        _ => [1, i32::MAX],
+    };
+    round(item.initial as f32 * ratio, bounds)
+}
+
 impl RequiredValue {
     /// Whether it is asked for: what a bus writes itself is only while torque is off.
     fn counts(self, is_limp: bool) -> bool {
@@ -272,6 +285,7 @@ impl ServoRequirements {
                 whole((self.torque_nm + self.friction_nm) / self.torque_constant_nm_a / scale)
             }
             RequiredValue::Factory | RequiredValue::Current => item.initial,
+            RequiredValue::Gain => p_gain(item, self.gain_ratio),
             RequiredValue::TorqueShare(full) => whole(f32::from(full) * share),
             // Rounded inwards.
             RequiredValue::Min => whole(self.range_rad[0] / scale + (0.5 - SLACK)),

@@ -40,6 +40,10 @@ pub fn desired(rig: &RigServo, table: &Table, mode: Mode) -> Result<Vec<Setting>
         friction_nm: single(model.friction_nm.value) + rig.joint_friction_nm,
         torque_constant_nm_a: single(model.torque_constant_nm_a.value),
         shutdown_c: single(model.shutdown_c.value),
+        gain_ratio: match (mode, &rig.position_gain) {
+            (Mode::Position, Some(gain)) => gain.ratio(),
+            _ => 1.0,
+        },
     };
     Ok(match table {
         Table::Dynamixel(table) => settings::dynamixel(*table, requirements).collect(),

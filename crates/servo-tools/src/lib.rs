@@ -34,7 +34,8 @@
 //! - `servo`, `table`, `registers`, `quantity`, `store`: a servo that answered; its registers; reads and writes by
 //!   name; numbers as people read them; writes that are verified.
 //! - `scan`, `address`, `identify`, `watch`: search; ids and baud rates; a servo that shows itself; measurements.
-//! - `rig_servo`, `desired`, `compare`: servos of a rig file; the registers that it requires; the difference.
+//! - `rig_servo`, `position_gain`, `desired`, `compare`: servos of a rig file; their P gains; the registers that it
+//!   requires; the difference.
 //! - `calibrate`, `rig_file`: ranges found by hand; the rig file with these ranges.
 //! - `error`: errors of all tools.
 
@@ -61,6 +62,7 @@ mod exchange;
 pub mod identify;
 mod ping_reply;
 mod port;
+pub mod position_gain;
 mod protocol;
 pub mod quantity;
 pub mod registers;

@@ -4,6 +4,7 @@ use sinew_rig::Description;
 use sinew_rig::actuation::JointFriction;
 use sinew_rig::description::{Address, ServoModel};
 
+use crate::position_gain::{PositionGain, position_gains};
 use crate::{Client, Exchange, Protocol, ServiceError, Servo, Table};
 
 /// A servo of a rig file that has an id.
@@ -21,6 +22,8 @@ pub struct RigServo {
     pub torque_nm: Option<f64>,
     /// What friction of its joint takes beside its own, N m.
     pub joint_friction_nm: f32,
+    /// Its P gain where it is driven by position; none of a kind without that register.
+    pub position_gain: Option<PositionGain>,
 }
 
 impl RigServo {
@@ -88,9 +91,10 @@ pub fn of_bus(rig: &Description, bus: Option<&str>) -> Result<Vec<RigServo>, Ser
     // Of a rig whose drives are not described yet there is none.
     let frictions = rig.actuation().map(|actuation| actuation.joint_friction(rig));
     let frictions = frictions.unwrap_or_else(|_| vec![JointFriction::default(); rig.servos.len()]);
-    (rig.servos.iter().zip(frictions))
-        .filter(|(servo, _)| matches!(servo.address, Address::Id(_)) && servo.bus == bus)
-        .map(|(servo, friction)| {
+    let gains = position_gains(rig, rig.mechanism().ok().as_ref())?;
+    (rig.servos.iter().zip(frictions).zip(gains))
+        .filter(|((servo, _), _)| matches!(servo.address, Address::Id(_)) && servo.bus == bus)
+        .map(|((servo, friction), position_gain)| {
             let model = rig.servo_model(&servo.model);
             let model = model
                 .ok_or_else(|| refused(format!("there is no kind of servo {:?}", servo.model)))?;
@@ -102,6 +106,7 @@ pub fn of_bus(rig: &Description, bus: Option<&str>) -> Result<Vec<RigServo>, Ser
                 range_rad: servo.range_rad.first().copied(),
                 torque_nm: servo.torque_nm,
                 joint_friction_nm: friction.coulomb_nm,
+                position_gain,
             })
         })
         .collect()

@@ -160,6 +160,7 @@ impl Table {
                 Role::GoalPosition => dxl::GOAL_POSITION,
                 Role::MinPosition => dxl::MIN_POSITION,
                 Role::MaxPosition => dxl::MAX_POSITION,
+                Role::PositionP => dxl::POSITION_P,
             },
             Self::Feetech(_) => {
                 (match role {
@@ -170,6 +171,7 @@ impl Table {
                     Role::GoalPosition => feetech_address::GOAL_POSITION,
                     Role::MinPosition => feetech_address::MIN_POSITION,
                     Role::MaxPosition => feetech_address::MAX_POSITION,
+                    Role::PositionP => feetech_address::POSITION_P,
                 }) as u16
             }
         }
@@ -186,6 +188,7 @@ pub(crate) enum Role {
     GoalPosition,
     MinPosition,
     MaxPosition,
+    PositionP,
 }
 
 /// Names of all models of a protocol.

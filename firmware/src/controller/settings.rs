@@ -115,10 +115,10 @@ impl ServoSetup {
     /// What this servo must hold in its registers: with anything else the rig is not armed.
     pub fn requirements(&self, servo: &Servo) -> ServoRequirements {
         let servo = servo.settings();
-        let (mode, encoder) = match &self.drive {
-            DriveSettings::Current(own) => (Mode::Current, Some(own.encoder)),
-            DriveSettings::Position(own) => (Mode::Position, Some(own.encoder)),
-            DriveSettings::Target(own) => (Mode::Position, own.encoder),
+        let (mode, encoder, gain_ratio) = match &self.drive {
+            DriveSettings::Current(own) => (Mode::Current, Some(own.encoder), 1.0),
+            DriveSettings::Position(own) => (Mode::Position, Some(own.encoder), own.gain_ratio),
+            DriveSettings::Target(own) => (Mode::Position, own.encoder, 1.0),
         };
         let zero_rad = encoder.unwrap_or_default().zero_rad;
         ServoRequirements {
@@ -129,6 +129,7 @@ impl ServoSetup {
             friction_nm: servo.friction_nm,
             torque_constant_nm_a: servo.torque_constant_nm_a,
             shutdown_c: self.shutdown_c,
+            gain_ratio,
         }
     }
 }

@@ -23,6 +23,9 @@ pub enum PartsError {
     /// Its gears say nothing of its loop.
     #[error(transparent)]
     Tracking(#[from] TrackingError),
+    /// A servo cannot have the P gain that the file states.
+    #[error(transparent)]
+    Gain(#[from] sinew_servo_tools::ServiceError),
     /// It travels.
     #[error("the rig's base is not held: no servo moves it; `--base stand` bolts it to a stand")]
     Travels,

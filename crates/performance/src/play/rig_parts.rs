@@ -3,15 +3,16 @@
 use sinew_core::tracker::{MethodName, Settings as TrackerSettings, Timing as LoopTiming};
 use sinew_firmware::controller::{ControllerSettings, ServoSetup, estimated_us};
 use sinew_firmware::node::NodeSettings;
-use sinew_rig::description::Supply as RigSupply;
+use sinew_rig::description::{Servo, Supply as RigSupply};
 use sinew_rig::mechanism::JointModel;
-use sinew_rig::tracking::tracking;
+use sinew_rig::tracking::{ServoTracking, tracking};
 use sinew_rig::{Description, Mechanism};
 use sinew_servo_bus::Schedule;
 use sinew_servo_sim::plant::RigPlant;
 use sinew_servo_sim::rig::{RigServosError, servos};
 use sinew_servo_sim::supply::Supply;
 use sinew_servo_sim::variation::Variation;
+use sinew_servo_tools::position_gain::PositionGain;
 
 use super::CompactRig;
 use super::error::PartsError;
@@ -101,8 +102,13 @@ impl RigParts {
         let schedule = latest.ok_or(PartsError::NoServos)?;
         let dt_s = 1e-6 * f64::from(schedule.tick_us());
         let gears = tracking(rig, mechanism, dt_s)?;
-        let setups: Vec<ServoSetup> =
-            parts.iter().zip(&gears).map(|(part, gear)| setup(rig, part, gear)).collect();
+        let setup_of = |((part, gear), servo): ((&ServoPart, &ServoTracking), &Servo)| {
+            let model = rig.servo_model(&servo.model).unwrap_or_default();
+            let gain = PositionGain::of(servo, &model, gear.stiffness)?;
+            Ok(setup(rig, part, gear, gain))
+        };
+        let each = parts.iter().zip(&gears).zip(&rig.servos);
+        let setups = each.map(setup_of).collect::<Result<Vec<ServoSetup>, PartsError>>()?;
         settings.tracker = tracker(&schedule);
         let least = setups
             .iter()

@@ -10,6 +10,7 @@ use sinew_rig::tracking::ServoTracking;
 use sinew_servo_bus::dynamixel;
 use sinew_servo_sim::registers::RegisterTable;
 use sinew_servo_sim::rig::RigServo;
+use sinew_servo_tools::position_gain::PositionGain;
 
 use super::CompactRig;
 use super::error::PartsError;
@@ -133,7 +134,12 @@ pub(super) fn drives(
 }
 
 /// What the controller knows of a servo.
-pub(super) fn setup(rig: &Description, part: &ServoPart, gear: &ServoTracking) -> ServoSetup {
+pub(super) fn setup(
+    rig: &Description,
+    part: &ServoPart,
+    gear: &ServoTracking,
+    gain: Option<PositionGain>,
+) -> ServoSetup {
     let kind = &part.own.kind;
     let model = rig.servo_model(&kind.name);
     let stall_a = model.as_ref().map_or(stall_a(&part.own), |model| model.stall_current_a.value);
@@ -162,6 +168,7 @@ pub(super) fn setup(rig: &Description, part: &ServoPart, gear: &ServoTracking) -
             }
             Drive::Position => DriveSettings::Position(PositionSettings {
                 encoder,
+                gain_ratio: gain.map_or(1.0, |gain| gain.ratio()),
                 drag_nm_s: stall_nm / single(no_load_rad_s(&part.own)),
                 cut_off,
                 ..PositionSettings::default()

@@ -29,6 +29,9 @@ pub struct Servo {
     pub speed_rad_s: Option<f64>,
     /// The largest acceleration that it is asked for.
     pub acceleration_rad_s2: Option<f64>,
+    /// What its register of the P gain of position holds, in its own numbers. Default: by
+    /// [`Stiffness`](crate::stiffness::Stiffness).
+    pub p_gain: Option<u16>,
     /// What it does when commands stop.
     pub on_signal_loss: SignalLoss,
 }
@@ -47,6 +50,7 @@ impl Default for Servo {
             torque_nm: None,
             speed_rad_s: None,
             acceleration_rad_s2: None,
+            p_gain: None,
             on_signal_loss: SignalLoss::Limp,
         }
     }

@@ -47,10 +47,7 @@ pub(super) fn review(by_dof: &mut [DofReview], inertias: &[[f64; 2]], control: L
 }
 
 fn of_joint(joints: [FlexibleJoint; 2], play: f64, control: ControlLoop) -> LoopReview {
-    let at_worst = |joint: FlexibleJoint| {
-        joint.softened(SOFTER).with_play(LOOSER * 0.5 * play, AMPLITUDE_PLAYS * play)
-    };
-    let worst = joints.map(at_worst);
+    let worst = joints.map(|joint| with_worst_gear(joint, play));
     let stability = |joints: &[FlexibleJoint; 2]| {
         let [light, heavy] = joints.each_ref().map(|joint| control.stability(joint));
         light.least(heavy)
@@ -65,6 +62,12 @@ fn of_joint(joints: [FlexibleJoint; 2], play: f64, control: ControlLoop) -> Loop
         worst: of_worst,
         bearable_rad_s: grows.then(|| bearable_rad_s(&[joints, worst].concat(), control)),
     }
+}
+
+/// Returns the joint with the worst gear that is judged.
+pub(crate) fn with_worst_gear(joint: FlexibleJoint, play: f64) -> FlexibleJoint {
+    let softer = joint.softened(SOFTER);
+    if play > 0.0 { softer.with_play(LOOSER * 0.5 * play, AMPLITUDE_PLAYS * play) } else { softer }
 }
 
 /// The joint that a gear turns.

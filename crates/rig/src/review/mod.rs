@@ -27,6 +27,7 @@ pub use flexible_joint::{ControlLoop, FlexibleJoint, Margins, Stability};
 pub use gain::largest_stable_angle;
 pub use gravity::{WorstLoad, holding_effort, worst_load};
 pub(crate) use inertia::ranges as inertia_ranges;
+pub(crate) use loops::with_worst_gear;
 pub use reach::reach_m;
 pub use results::{
     Capability, CurrentReview, DofReview, Finding, Loop, LoopReview, Review, Servos, Severity,

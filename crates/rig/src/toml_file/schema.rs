@@ -210,6 +210,7 @@ fn servo<V: Visitor>(servo: &mut Servo, v: &mut V) -> Result<(), V::Error> {
     v.optional("torque_nm", &mut servo.torque_nm, None)?;
     v.optional("speed_deg_s", &mut servo.speed_rad_s, None)?;
     v.optional("acceleration_deg_s2", &mut servo.acceleration_rad_s2, None)?;
+    v.optional("p_gain", &mut servo.p_gain, None)?;
     v.optional("on_signal_loss", &mut servo.on_signal_loss, default.on_signal_loss)
 }
 

@@ -66,6 +66,18 @@ impl Value for u8 {
     }
 }
 
+impl Value for u16 {
+    const EXPECTED: &'static str = "a whole number from 0 to 65535";
+
+    fn read(item: &Item<'_>) -> Result<Self, UnlocatedError> {
+        Self::try_from(item.integer(Self::EXPECTED)?).map_err(|_| item.wrong(Self::EXPECTED))
+    }
+
+    fn text(&self, _: bool) -> String {
+        self.to_string()
+    }
+}
+
 impl Value for i8 {
     const EXPECTED: &'static str = "1 or -1";
 

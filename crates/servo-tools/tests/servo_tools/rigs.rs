@@ -10,6 +10,7 @@ use sinew_servo_sim::registers::RegisterTable;
 use sinew_servo_tools::calibrate::{self, Calibration};
 use sinew_servo_tools::compare::{apply, diff, span};
 use sinew_servo_tools::desired::{Mode, desired};
+use sinew_servo_tools::position_gain::GainReason;
 use sinew_servo_tools::registers::{self, Number};
 use sinew_servo_tools::rig_servo::{RigServo, of_bus, own_rad};
 use sinew_servo_tools::{Client, Registers, ServiceError, Servo, Table, rig_file};
@@ -67,11 +68,23 @@ fn what_a_new_servo_lacks_is_named_applied_and_gone() {
     for (kind, missing) in [
         (
             "XL330-M288-T",
-            &["Return Delay Time", "Current Limit", "Max Position Limit", "Min Position Limit"][..],
+            &[
+                "Return Delay Time",
+                "Current Limit",
+                "Max Position Limit",
+                "Min Position Limit",
+                "Position P Gain",
+            ][..],
         ),
         (
             "XL430-W250-T",
-            &["Return Delay Time", "PWM Limit", "Max Position Limit", "Min Position Limit"],
+            &[
+                "Return Delay Time",
+                "PWM Limit",
+                "Max Position Limit",
+                "Min Position Limit",
+                "Position P Gain",
+            ],
         ),
         (
             "STS3215-7.4V",
@@ -116,7 +129,9 @@ fn after_a_reboot_all_is_as_it_was_applied_but_what_was_changed_in_ram_before() 
         assert_eq!(names(&found), [in_ram], "{kind}");
         assert!(!found[0].is_kept);
         client.reboot(&servo).unwrap();
-        assert_eq!(diff(&mut client, &servo, &settings).unwrap(), [], "{kind}");
+        // A Dynamixel forgets its P gain: a controller writes it anew.
+        let forgotten: &[&str] = if kind.starts_with("XL") { &["Position P Gain"] } else { &[] };
+        assert_eq!(names(&diff(&mut client, &servo, &settings).unwrap()), forgotten, "{kind}");
     }
 }
 
@@ -212,6 +227,7 @@ fn all_kinds_get_settings_that_their_registers_take() {
             range_rad: Some([-1.0, 1.0]),
             torque_nm: Some(1e3),
             joint_friction_nm: 0.0,
+            position_gain: None,
         };
         let Some(table) = rig.table() else { continue };
         wanted += if table.has_current() { 4 } else { 2 };
@@ -269,6 +285,7 @@ fn a_board_comes_to_the_same_counts() {
                 range_rad: Some([-most, 0.9 * most]),
                 torque_nm: (tenths < 1800).then_some(stall_nm * f64::from(tenths) / 1800.0),
                 joint_friction_nm: 0.0,
+                position_gain: None,
             };
             let Some(table) = rig.table() else { continue };
             let requirements = ServoRequirements {
@@ -279,6 +296,7 @@ fn a_board_comes_to_the_same_counts() {
                 friction_nm: single(model.friction_nm.value),
                 torque_constant_nm_a: single(model.torque_constant_nm_a.value),
                 shutdown_c: single(model.shutdown_c.value),
+                gain_ratio: 1.0,
             };
             let board: Vec<Setting> = match &table {
                 Table::Dynamixel(table) => settings::dynamixel(*table, requirements).collect(),
@@ -360,4 +378,30 @@ fn own_positions_count_from_the_middle_of_the_encoder() {
     let (_, _, servo) = opened("XL330-M288-T");
     assert!(own_rad(&servo.table, 2048).abs() < 1e-12);
     assert!((own_rad(&servo.table, 3072).to_degrees() - 90.0).abs() < 1e-5);
+}
+
+#[test]
+fn a_p_gain_is_the_files_or_by_gear_and_load() {
+    let mut rig = sinew_rig::new::arm(6).unwrap();
+    let gain =
+        |rig: &Description| of_bus(rig, None).map(|mut servos| servos.remove(1).position_gain);
+    let by_rule = gain(&rig).unwrap().unwrap();
+    assert_eq!((by_rule.reason, by_rule.factory), (GainReason::Damping, 400));
+    assert!(by_rule.stiffness_nm_rad > 5.0 * 0.55, "{by_rule:?}");
+    let servo = of_bus(&rig, None).unwrap().remove(1);
+    let raw = |mode| {
+        let settings = desired(&servo, &servo.table().unwrap(), mode).unwrap();
+        settings.into_iter().find(|setting| setting.item.name == "Position P Gain").unwrap().raw
+    };
+    assert_eq!(raw(Mode::Position), by_rule.raw);
+    assert_eq!(raw(Mode::Current), 400);
+
+    rig.servos[1].p_gain = Some(640);
+    let stated = gain(&rig).unwrap().unwrap();
+    assert_eq!((stated.raw, stated.reason), (640, GainReason::File));
+    assert!((stated.stiffness_nm_rad - 1.6 * 0.55).abs() < 1e-9);
+    rig.servos[1].p_gain = Some(16_384);
+    assert!(gain(&rig).unwrap_err().to_string().contains("takes 1 to 16383"));
+    rig.servos[1].model = "MG90S".to_owned();
+    assert!(gain(&rig).unwrap_err().to_string().contains("no known P gain"));
 }

@@ -24,6 +24,7 @@ fn requirements() -> ServoRequirements {
         friction_nm: 1.0,
         torque_constant_nm_a: 1.0,
         shutdown_c: 1.0,
+        gain_ratio: 1.0,
     })
 }
 

@@ -7,8 +7,9 @@ use std::process::ExitCode;
 use clap::ValueEnum;
 use comfy_table::Table;
 use sinew_host_util::command::{print, table};
-use sinew_performance::rig::review;
+use sinew_performance::rig::{LoadedRig, review};
 use sinew_rig::review::{Loop, Review, Severity, Stability};
+use sinew_servo_tools::position_gain::{PositionGain, position_gains};
 
 use super::files::read_as;
 use crate::cli::unit_args::UnitArgs;
@@ -89,15 +90,40 @@ enum Format {
 pub(super) fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     let loaded = read_as(&args.rig, &args.units.import())?;
     let review = review(&loaded, args.control.control())?;
+    let gains = gains(&loaded)?;
     print(&match args.format {
-        Format::Words => words(&loaded.description.name, &loaded.mechanism, &review),
-        Format::Json => json(&loaded.description.name, &loaded.notes, &review)?,
+        Format::Words => words(&loaded.description.name, &loaded.mechanism, &review, &gains),
+        Format::Json => json(&loaded.description.name, &loaded.notes, &review, &gains)?,
     })?;
     let fault = review.findings.iter().any(|finding| finding.severity == Severity::Fault);
     Ok(if fault { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
-fn json(name: &str, notes: &[String], review: &Review) -> anyhow::Result<String> {
+/// The P gain of each servo that has one, by its name.
+fn gains(loaded: &LoadedRig) -> anyhow::Result<Vec<NamedGain>> {
+    let rig = &loaded.description;
+    let gains = position_gains(rig, Some(&loaded.mechanism))?;
+    let named = rig
+        .servos
+        .iter()
+        .zip(gains)
+        .filter_map(|(servo, gain)| Some(NamedGain { servo: servo.name.clone(), gain: gain? }));
+    Ok(named.collect())
+}
+
+#[derive(serde::Serialize)]
+struct NamedGain {
+    servo: String,
+    #[serde(flatten)]
+    gain: PositionGain,
+}
+
+fn json(
+    name: &str,
+    notes: &[String],
+    review: &Review,
+    gains: &[NamedGain],
+) -> anyhow::Result<String> {
     #[derive(serde::Serialize)]
     struct Object<'a> {
         schema: &'static str,
@@ -105,12 +131,18 @@ fn json(name: &str, notes: &[String], review: &Review) -> anyhow::Result<String>
         notes: &'a [String],
         #[serde(flatten)]
         review: &'a Review,
+        position_gains: &'a [NamedGain],
     }
-    let object = Object { schema: "sinew-rig-check/1", name, notes, review };
+    let object = Object { schema: "sinew-rig-check/1", name, notes, review, position_gains: gains };
     Ok(serde_json::to_string_pretty(&object)? + "\n")
 }
 
-fn words(name: &str, mechanism: &sinew_rig::Mechanism, review: &Review) -> String {
+fn words(
+    name: &str,
+    mechanism: &sinew_rig::Mechanism,
+    review: &Review,
+    gains: &[NamedGain],
+) -> String {
     let mut out = String::new();
     let Review { mass_kg, bodies, dofs, .. } = review;
     let mut line =
@@ -134,6 +166,12 @@ fn words(name: &str, mechanism: &sinew_rig::Mechanism, review: &Review) -> Strin
             review.control.latency_ticks
         ));
         line(format_args!("{}\n", loops(review)));
+    }
+    if !gains.is_empty() {
+        line(format_args!(
+            "P gains of servos where they are driven by position, with the stiffness that each then has, N m/rad."
+        ));
+        line(format_args!("{}\n", gain_table(gains)));
     }
     if let Some(current) = review.current {
         let supply =
@@ -246,6 +284,20 @@ fn loops(review: &Review) -> Table {
         row.extend(margins(control.nominal));
         row.extend(margins(control.worst));
         table.add_row(row);
+    }
+    table
+}
+
+fn gain_table(gains: &[NamedGain]) -> Table {
+    let mut table = table(["servo", "P gain", "as shipped", "stiffness", "by"], [1, 2, 3]);
+    for NamedGain { servo, gain } in gains {
+        table.add_row([
+            servo.clone(),
+            gain.raw.to_string(),
+            gain.factory.to_string(),
+            format!("{:.1}", gain.stiffness_nm_rad),
+            gain.reason.text().to_owned(),
+        ]);
     }
     table
 }

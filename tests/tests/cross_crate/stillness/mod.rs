@@ -7,6 +7,7 @@ mod limits;
 mod long;
 mod measure;
 mod onset;
+mod position;
 mod push;
 mod robots;
 mod robustness;

@@ -42,6 +42,9 @@ pub(super) fn check<'a>(
     ] {
         part.number_if_any(key, limit, Sign::Positive)?;
     }
+    if servo.p_gain == Some(0) {
+        return Err(part.refuse(&[Step::Key("p_gain")], "a whole number above 0", 0));
+    }
     Ok(())
 }
 

@@ -303,6 +303,7 @@ fn servo(r: &mut Random, index: usize) -> Servo {
         torque_nm: r.perhaps(Random::positive),
         speed_rad_s: r.perhaps(|r| r.positive().to_radians()),
         acceleration_rad_s2: r.perhaps(|r| r.positive().to_radians()),
+        p_gain: r.perhaps(|r| r.one_of(&[1, 640, 16_383])),
         on_signal_loss: r.one_of(&[SignalLoss::Limp, SignalLoss::Hold, SignalLoss::Home]),
     }
 }

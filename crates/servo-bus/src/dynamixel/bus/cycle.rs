@@ -4,7 +4,7 @@ use heapless::Vec;
 
 use super::lengths::MOTION_LEN;
 use super::servo::Servo;
-use super::{Awaits, Bus, settings_of};
+use super::{Awaits, Bus, gain_of, settings_of};
 use crate::compare::Comparison;
 use crate::dynamixel::fast::{FastReader, answer_len};
 use crate::dynamixel::frame::{BROADCAST, Packet};
@@ -129,6 +129,11 @@ impl<const SERVOS: usize> ServoBus for Bus<SERVOS> {
     }
 
     fn compare(&mut self, asked: Option<(usize, ServoRequirements)>) {
+        if let Some((servo, requirements)) = asked
+            && let Some(servo) = self.servos.get_mut(servo)
+        {
+            servo.goals.gain = gain_of(servo, requirements);
+        }
         self.comparison = asked.map(|(servo, requirements)| Comparison::new(servo, requirements));
     }
 

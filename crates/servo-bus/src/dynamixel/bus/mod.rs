@@ -285,3 +285,11 @@ fn settings_of(
 ) -> impl Iterator<Item = Setting> + Clone + use<> {
     settings::dynamixel_limp(Table { model: servo.setup.model, firmware: u8::MAX }, requirements)
 }
+
+/// Returns the P gain of position that a servo must hold. It forgets it without power, so the bus writes it before it
+/// compares; none where its loop is not the servo's own.
+fn gain_of(servo: &Servo, requirements: ServoRequirements) -> Option<u16> {
+    let table = Table { model: servo.setup.model, firmware: u8::MAX };
+    let item = table.at(address::POSITION_P).filter(|_| servo.setup.mode.is_position())?;
+    u16::try_from(settings::p_gain(item, requirements.gain_ratio)).ok()
+}
