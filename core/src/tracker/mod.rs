@@ -204,8 +204,9 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     /// Sets the rest zone of each joint: while its target is slower than [`STANDS_RAD_S`], an error of at most so many
     /// rad (of slides, m) counts as none, and the observer learns nothing from it. 0 for none. Half the play of a
     /// joint's gear and a step of its encoder is the radius within which its loop can only hunt. A joint with a zone
-    /// and a bandwidth of its own ([`Self::set_bandwidths`]) has half of it while its target stands: within the play of
-    /// a gear a loop of the whole bandwidth can swing, and nothing is to be followed. O(n).
+    /// and a bandwidth of its own ([`Self::set_bandwidths`]) has 0.6 of it while it stands: within the play of a gear
+    /// a loop of the whole bandwidth can swing, and nothing is to be followed. It stands when it has been
+    /// within four radii of a target that stands for half a second. O(n).
     ///
     /// # Errors
     /// [`TrackerError::Rest`], and nothing is changed, if there is not one for each joint, or one is not a finite

@@ -16,6 +16,10 @@ const GLIDES_RAD_S: f32 = 0.2;
 /// Time in which a zone opens, s, and in which it closes.
 const OPENS_S: f32 = 0.1;
 const CLOSES_S: f32 = 0.02;
+/// A joint stands when it has been within so many radii of its zone for so long, s. It swings through the play of a
+/// gear by less, also where that has twice the play that its model says; whoever pushes it moves it farther.
+const NEAR: f32 = 4.0;
+const SETTLES_S: f32 = 0.3;
 /// A slide's speed counts as this many rad for a metre.
 const SLIDE_RAD_M: f32 = 10.0;
 
@@ -32,6 +36,8 @@ pub(super) struct Rest<const N: usize> {
     radii: [f32; N],
     /// By joint: the share of its zone that is open.
     open: [f32; N],
+    /// By joint: for so long it has been near a target that stands, s.
+    near_s: [f32; N],
     stances: [Stance; N],
     is_set: bool,
 }
@@ -39,9 +45,9 @@ pub(super) struct Rest<const N: usize> {
 /// How much a joint is at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Stance {
-    /// Its target moves, or it has no zone.
+    /// Its target moves, it is on its way to a target that stands, or it has no zone.
     Moves,
-    /// Its target stands: it need not be followed fast.
+    /// Its target stands, and it has come to it: nothing is to be followed fast.
     Stands,
     /// Its target stands, and the joint is within its open zone.
     Rests,
@@ -55,6 +61,7 @@ impl<const N: usize> Rest<N> {
             dt_s: 0.0,
             radii: [0.0; N],
             open: [0.0; N],
+            near_s: [0.0; N],
             stances: [Stance::Moves; N],
             is_set: false,
         }
@@ -63,6 +70,7 @@ impl<const N: usize> Rest<N> {
     /// Removes all zones.
     pub(super) fn init(&mut self, dt_s: f32) {
         self.dt_s = dt_s;
+        self.near_s.fill(0.0);
         self.stances.fill(Stance::Moves);
         self.is_set = false;
     }
@@ -71,6 +79,7 @@ impl<const N: usize> Rest<N> {
     pub(super) fn set(&mut self, radii: &[f32]) {
         self.radii.fill(0.0);
         self.open.fill(0.0);
+        self.near_s.fill(0.0);
         self.stances.fill(Stance::Moves);
         self.radii.iter_mut().zip(radii).for_each(|(own, radius)| *own = *radius);
         self.is_set = true;
@@ -96,9 +105,9 @@ impl<const N: usize> Rest<N> {
             return;
         }
         let joints = tree.bodies().iter().zip(states.as_slice());
-        let zones = self.radii.iter().zip(&mut self.open).zip(&mut self.stances);
-        for (joint, (((body, state), ((radius, open), stance)), gains)) in
-            joints.zip(zones).zip(gains).enumerate()
+        let zones = self.radii.iter().zip(&mut self.open).zip(&mut self.near_s);
+        for (joint, (((body, state), (((radius, open), near_s), stance)), gains)) in
+            joints.zip(zones.zip(&mut self.stances)).zip(gains).enumerate()
         {
             let Some(target) = targets.states().get(joint) else { return };
             if *radius <= 0.0 {
@@ -110,16 +119,15 @@ impl<const N: usize> Rest<N> {
                 own.dot(own) < than_rad_s * than_rad_s
             };
             let stands = is_slower(&target.velocity, STANDS_RAD_S);
-            *stance = if stands { Stance::Stands } else { Stance::Moves };
             *open = if stands && is_slower(&state.velocity, GLIDES_RAD_S) {
                 (*open + self.dt_s / OPENS_S).min(1.0)
             } else {
                 (*open - self.dt_s / CLOSES_S).max(0.0)
             };
-            if *open <= 0.0 {
+            if !stands && *open <= 0.0 {
+                (*stance, *near_s) = (Stance::Moves, 0.0);
                 continue;
             }
-            let zone = *radius * *open;
             let off = if slides {
                 // A target's linear acceleration is a vector of the parent's frame, in the axes of the desired pose.
                 let way = target.pose.translation_m - state.pose.translation_m;
@@ -132,7 +140,14 @@ impl<const N: usize> Rest<N> {
                 if turn.w < 0.0 { -chord } else { chord }
             };
             let squared = off.dot(off);
-            let is_within = squared <= zone * zone;
+            let is_nearer = |than: f32| squared <= than * than;
+            *near_s = if stands && is_nearer(*radius * NEAR) { *near_s + self.dt_s } else { 0.0 };
+            *stance = if *near_s > SETTLES_S { Stance::Stands } else { Stance::Moves };
+            if *open <= 0.0 {
+                continue;
+            }
+            let zone = *radius * *open;
+            let is_within = is_nearer(zone);
             let within = if is_within { off } else { off * (zone / math::sqrt(squared)) };
             let mut against = Twist::ZERO;
             if slides {

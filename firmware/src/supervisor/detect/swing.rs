@@ -16,6 +16,8 @@ const MOST: f32 = 2.0;
 const CALM: f32 = 0.25;
 /// ... for so long, s.
 const CALM_S: f32 = 5.0;
+/// Below this part of it nothing but the error is looked at.
+const FAINT: f32 = 0.05;
 
 /// Settings that the detectors of all joints of a rig share.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -60,8 +62,11 @@ impl Swing {
     /// N; `most`: the joint's most effort, infinite for no limit. What is no number is as if nothing was.
     pub fn step(&mut self, settings: &SwingSettings, error: f32, effort: Option<f32>, most: f32) {
         let mut square = self.error.step(settings, error / LEAST_ERROR);
-        // Where nothing tells what effort is much, the error alone counts.
-        if let Some(effort) = effort
+        // Where nothing tells what effort is much, the error alone counts. Where the error is small, its effort is not
+        // looked at: that is most of the time.
+        if square <= FAINT {
+            self.effort = Alternating::default();
+        } else if let Some(effort) = effort
             && most < f32::INFINITY
         {
             square = square.min(self.effort.step(settings, effort / (LEAST_SHARE * most)));

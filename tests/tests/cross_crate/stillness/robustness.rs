@@ -9,10 +9,13 @@ use super::run::Rig;
 /// The largest peak to peak, deg.
 const SWING_DEG: f64 = 0.6;
 
-/// Each difference alone, and in pairs; what else may be off; and a tick of delay.
+/// The same of all three differences at once.
+const TRIPLE_DEG: f64 = 1.0;
+
+/// Each difference alone, in pairs, and all at once; what else may be off; and a tick of delay.
 fn plants() -> Vec<(String, Variation, f64)> {
     let mut plants = Vec::new();
-    for mask in 0..7_u32 {
+    for mask in 0..8_u32 {
         let has = |bit: u32| mask & (1 << bit) != 0;
         let variation = Variation {
             stiffness: if has(0) { 0.5 } else { 1.0 },
@@ -24,7 +27,7 @@ fn plants() -> Vec<(String, Variation, f64)> {
             "stiffness {}, play {}, damping {}",
             variation.stiffness, variation.play, variation.damping
         );
-        plants.push((name, variation, SWING_DEG));
+        plants.push((name, variation, if mask == 7 { TRIPLE_DEG } else { SWING_DEG }));
     }
     let own = Variation::default();
     for (name, variation) in [
