@@ -16,29 +16,32 @@ const MEAN_DEG: f64 = 0.27;
 const LARGEST_DEG: f64 = 2.5;
 const CURRENT_A: f64 = 0.6;
 
+/// A built-in clip as a show of a rig, which is told the rig's CRC.
+pub(super) fn clip_show<'r>(rig: &'r Rig, name: &'r str) -> impl FnOnce(u32) -> Vec<u8> + 'r {
+    move |rig_crc| {
+        let loaded = LoadedRig {
+            description: rig.description.clone(),
+            mechanism: rig.mechanism.clone(),
+            world: None,
+            notes: Vec::new(),
+        };
+        let clip = PreparedClip::read(&ClipFile::new(Path::new(name)), ClipSettings::default());
+        let clip = clip.unwrap();
+        let retargeted = retarget_clip(&rig.mechanism, &clip, None, false).unwrap();
+        let choices = MotionChoices { fit: true, loop_blend_s: None };
+        let performance = RigPerformance::new(&loaded, name, clip.start_s, retargeted, choices);
+        let choices = ShowChoices { rig_crc, ..ShowChoices::default() };
+        performance.unwrap().bake(&rig.mechanism, &choices).unwrap().0.written.bytes
+    }
+}
+
 #[test]
 fn the_starter_arm_follows_kicks_and_punches() {
     let rows: Vec<_> = ["kicks_01", "punches_01"]
         .par_iter()
         .map(|name| {
             let rig = Rig::new_arm();
-            let loaded = LoadedRig {
-                description: rig.description.clone(),
-                mechanism: rig.mechanism.clone(),
-                world: None,
-                notes: Vec::new(),
-            };
-            let clip = PreparedClip::read(&ClipFile::new(Path::new(name)), ClipSettings::default());
-            let clip = clip.unwrap();
-            let retargeted = retarget_clip(&rig.mechanism, &clip, None, false).unwrap();
-            let choices = MotionChoices { fit: true, loop_blend_s: None };
-            let performance = RigPerformance::new(&loaded, name, clip.start_s, retargeted, choices);
-            let mut performance = performance.unwrap();
-            let bake = |rig_crc| {
-                let choices = ShowChoices { rig_crc, ..ShowChoices::default() };
-                performance.bake(&rig.mechanism, &choices).unwrap().0.written.bytes
-            };
-            let run = rig.perform(bake, Variation::default(), |_, _| {});
+            let run = rig.perform(clip_show(&rig, name), Variation::default(), |_, _| {});
             let all = || run.samples.iter().flatten();
             let error = |sample: &super::run::Sample| sample.error_rad.abs().to_degrees();
             let mean_deg = all().map(error).sum::<f64>() / all().count() as f64;

@@ -16,7 +16,7 @@ use super::run::Rig;
 const AWAY_RAD: f64 = 0.25;
 
 /// A robot, its left knee turned where that is asked, and servos on it.
-fn robot(file: &str, turned: Option<&str>, servos: &[&str]) -> Rig {
+pub(super) fn robot(file: &str, turned: Option<&str>, servos: &[&str]) -> Rig {
     let data: PathBuf = std::env::var_os("SINEW_DATA").expect("SINEW_DATA").into();
     let text = std::fs::read_to_string(data.join("urdf").join(file)).unwrap();
     let options = Options { repair_inertia: true, ..Options::default() };
@@ -30,7 +30,7 @@ fn robot(file: &str, turned: Option<&str>, servos: &[&str]) -> Rig {
 }
 
 /// Home, and poses round it.
-fn poses(rig: &Rig) -> Poses {
+pub(super) fn poses(rig: &Rig) -> Poses {
     let home = rig.mechanism.home();
     let links = &rig.mechanism.bodies;
     let poses: Vec<Vec<f64>> = (0..6_u32)
