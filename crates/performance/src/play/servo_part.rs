@@ -112,7 +112,7 @@ fn takes(drive: Drive, model: &str) -> bool {
 
 /// How servos of a kind are driven unless told otherwise: see `docs/drives.md`.
 fn usual(model: &str) -> Drive {
-    let all = [Drive::Current, Drive::Position];
+    let all = [Drive::Current, Drive::Voltage, Drive::Position];
     all.into_iter().find(|drive| takes(*drive, model)).unwrap_or(Drive::Pulses)
 }
 

@@ -8,7 +8,7 @@ use sinew_servo_sim::variation::Variation;
 
 use super::follow::clip_show;
 use super::measure::{Poses, Stillness};
-use super::robots::{self, robot};
+use super::robots;
 use super::run::{Rig, Run};
 
 /// The clip that a rig follows.
@@ -16,22 +16,29 @@ const CLIP: &str = "kicks_01";
 /// The servo of the starter arm, for which its masses are.
 const STARTER: &str = "XL330-M288-T";
 
-/// What a run came to.
+/// What the runs of a rig came to.
 struct Row {
     name: String,
-    /// As the rig's file has it, and on a worse gear.
-    still: [Stillness; 2],
+    /// On each of [`plants`].
+    still: [Stillness; 4],
     mean_deg: f64,
     largest_deg: f64,
-    /// In the winding that loses most, a mean of the time.
-    held_w: f64,
-    moved_w: f64,
+    /// Of the winding that loses most, mean of the time, W; and what it warms its case by if that goes on, K.
+    held: [f64; 2],
+    moved: [f64; 2],
 }
 
-/// A gear with twice the play, half the stiffness, a third of the damping, and all friction on the rotor.
-fn worse() -> Variation {
+/// As the rig's file has it; a gear with twice the play, half the stiffness, a third of the damping, and all friction
+/// on the rotor; motors of other constants.
+fn plants() -> [Variation; 4] {
     let own = Variation::default();
-    Variation { play: 2.0, stiffness: 0.5, damping: 0.33, output_friction: Some(0.0), ..own }
+    let worse = Variation { play: 2.0, stiffness: 0.5, damping: 0.33, ..own };
+    [
+        own,
+        Variation { output_friction: Some(0.0), ..worse },
+        Variation { torque: 0.8, ..own },
+        Variation { torque: 1.2, ..own },
+    ]
 }
 
 /// The starter arm with servos of a kind, its masses in proportion to their torque.
@@ -45,68 +52,67 @@ fn arm_of(model: &str) -> Rig {
     Rig::new(arm)
 }
 
-/// Mean power of the winding that loses most, W, and the run.
-fn heated(servos: usize, run: impl FnOnce(&mut dyn FnMut(usize, f64)) -> Run) -> (f64, Run) {
-    let mut sums = vec![(0.0, 0.0); servos];
-    let run = run(&mut |servo: usize, winding_w: f64| {
-        sums[servo].0 += winding_w;
-        sums[servo].1 += 1.0;
+/// A run; mean power of the winding that loses most, W, and what it warms its case by at last, K.
+fn heated(rig: &Rig, show: impl FnOnce(u32) -> Vec<u8>, variation: Variation) -> (Run, [f64; 2]) {
+    let servos = rig.description.servos.len();
+    let (mut sums, mut ticks) = (vec![0.0; servos], 0.0);
+    let run = rig.perform(show, variation, |sim, _| {
+        ticks += 1.0;
+        for (servo, sum) in sums.iter_mut().enumerate() {
+            *sum += sim.winding_w(servo);
+        }
     });
-    (sums.iter().map(|(sum, count)| sum / count).fold(0.0, f64::max), run)
+    let (most, sum) = sums.into_iter().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+    let winding_w = sum / ticks;
+    (run, [winding_w, winding_w * rig.model(most).thermal_resistance_k_w.value])
 }
 
 fn row(name: String, mut rig: Rig, drive: Drive, poses: &Poses) -> Row {
     rig.drive = Some(drive);
-    let servos = rig.description.servos.len();
-    let hold = |variation| {
-        heated(servos, |note| {
-            rig.play(&poses.motion, variation, |sim, _| {
-                (0..servos).for_each(|servo| note(servo, sim.winding_w(servo)));
-            })
-        })
-    };
-    let worst = |run: &Run| {
-        run.stillness(&poses.windows_s)
-            .into_iter()
-            .flatten()
-            .fold(Stillness::default(), Stillness::max)
-    };
-    let (held_w, held) = hold(Variation::default());
-    let (_, held_worse) = hold(worse());
-    let (moved_w, moved) = heated(servos, |note| {
-        rig.perform(clip_show(&rig, CLIP), Variation::default(), |sim, _| {
-            (0..servos).for_each(|servo| note(servo, sim.winding_w(servo)));
-        })
+    let mut held = [0.0; 2];
+    let still = plants().map(|variation| {
+        let (run, heat) = heated(&rig, rig.show_of(&poses.motion), variation);
+        if variation == Variation::default() {
+            held = heat;
+        }
+        let all = run.stillness(&poses.windows_s).into_iter().flatten();
+        all.fold(Stillness::default(), Stillness::max)
     });
-    let errors = || moved.samples.iter().flatten().map(|s| s.error_rad.abs().to_degrees());
+    let (run, moved) = heated(&rig, clip_show(&rig, CLIP), Variation::default());
+    let errors = || run.samples.iter().flatten().map(|s| s.error_rad.abs().to_degrees());
     Row {
         name,
-        still: [worst(&held), worst(&held_worse)],
+        still,
         mean_deg: errors().sum::<f64>() / errors().count() as f64,
         largest_deg: errors().fold(0.0, f64::max),
-        held_w,
-        moved_w,
+        held,
+        moved,
     }
 }
 
 fn print(rows: &[Row]) {
     println!(
-        "| servo, drive | swing | on a worse gear | offset | on a worse gear | mean error | largest | held W | moved W |"
+        "| servos, drive | swing | worse gear | other motor | offset | worse gear | other motor | error | largest | \
+         held W | K | moved W | K |\n\
+         | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"
     );
-    println!("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |");
     for row in rows {
-        let [own, worse] = row.still;
+        let [own, worse, weak, strong] = row.still;
+        let other = weak.max(strong);
+        let stills = [own, worse, other];
+        let all = stills.map(|still| format!("{:.2}", still.peak_to_peak_deg));
+        let offsets = stills.map(|still| format!("{:.2}", still.offset_deg));
         println!(
-            "| {} | {:.2} | {:.2} | {:.2} | {:.2} | {:.2} | {:.1} | {:.2} | {:.2} |",
+            "| {} | {} | {} | {:.2} | {:.1} | {:.2} | {:.1} | {:.2} | {:.1} |",
             row.name,
-            own.peak_to_peak_deg,
-            worse.peak_to_peak_deg,
-            own.offset_deg,
-            worse.offset_deg,
+            all.join(" | "),
+            offsets.join(" | "),
             row.mean_deg,
             row.largest_deg,
-            row.held_w,
-            row.moved_w
+            row.held[0],
+            row.held[1],
+            row.moved[0],
+            row.moved[1]
         );
     }
 }
@@ -114,14 +120,13 @@ fn print(rows: &[Row]) {
 #[test]
 #[ignore = "prints a table"]
 fn classes_of_an_arm() {
-    let all = [Drive::Current, Drive::Voltage, Drive::Position];
-    let kinds = [
-        (STARTER, &all[..]),
-        ("XM430-W350-T", &all),
-        ("MX-64", &all),
-        ("MX-28", &all[1..]),
-        ("XL430-W250-T", &all[1..]),
-        ("STS3215-7.4V", &all[2..]),
+    let kinds: [(&str, &[Drive]); 6] = [
+        (STARTER, &ALL),
+        ("XM430-W350-T", &ALL),
+        ("MX-64", &ALL),
+        ("MX-28", &WITHOUT_SENSOR),
+        ("XL430-W250-T", &WITHOUT_SENSOR),
+        ("STS3215-7.4V", &[Drive::Position]),
     ];
     let runs: Vec<_> = kinds
         .iter()
@@ -136,27 +141,59 @@ fn classes_of_an_arm() {
     print(&rows);
 }
 
+/// A robot, and the servos on it.
+struct Robot {
+    name: &'static str,
+    file: &'static str,
+    /// A knee that turns the other way.
+    turned: Option<&'static str>,
+    servos: &'static [&'static str],
+    drives: &'static [Drive],
+}
+
+const OP3: &str = "robotis-op3/robotis_op3.urdf";
+const POPPY: &str = "poppy-humanoid/Poppy_Humanoid.urdf";
+const ALL: [Drive; 3] = [Drive::Current, Drive::Voltage, Drive::Position];
+const WITHOUT_SENSOR: [Drive; 2] = [Drive::Voltage, Drive::Position];
+
+const ROBOTS: [Robot; 4] = [
+    Robot { name: "OP3, XM430", file: OP3, turned: None, servos: &["xm430"], drives: &ALL },
+    Robot {
+        name: "OP3, XL430",
+        file: OP3,
+        turned: None,
+        servos: &["xl430"],
+        drives: &WITHOUT_SENSOR,
+    },
+    Robot {
+        name: "Poppy, MX-64",
+        file: POPPY,
+        turned: Some("l_knee_y"),
+        servos: &["mx-64"],
+        drives: &ALL,
+    },
+    Robot {
+        name: "Poppy, MX-28",
+        file: POPPY,
+        turned: Some("l_knee_y"),
+        servos: &["mx-28"],
+        drives: &WITHOUT_SENSOR,
+    },
+];
+
 #[test]
 #[ignore = "needs SINEW_DATA, prints a table"]
 fn classes_of_robots() {
-    let all = [Drive::Current, Drive::Voltage, Drive::Position];
-    let (op3, poppy) = ("robotis-op3/robotis_op3.urdf", "poppy-humanoid/Poppy_Humanoid.urdf");
-    let turned = Some("l_knee_y");
-    let built: &[&str] = &["mx-28", "l_hip_y=mx-64", "r_hip_y=mx-64", "abs_x=mx-64", "abs_y=mx-64"];
-    let robots: [(&str, &str, Option<&str>, &[&str], &[Drive]); 4] = [
-        ("OP3, XM430", op3, None, &["xm430"], &all),
-        ("OP3, XL430", op3, None, &["xl430"], &all[1..]),
-        ("Poppy, MX-64", poppy, turned, &["mx-64"], &all),
-        ("Poppy as built", poppy, turned, built, &all[1..]),
-    ];
-    let runs: Vec<_> =
-        robots.iter().flat_map(|robot| robot.4.iter().map(move |drive| (robot, *drive))).collect();
+    let runs: Vec<_> = ROBOTS
+        .iter()
+        .flat_map(|robot| robot.drives.iter().map(move |drive| (robot, *drive)))
+        .collect();
     let rows: Vec<_> = runs
         .par_iter()
-        .map(|((name, file, turned, servos, _), drive)| {
-            let rig = robot(file, *turned, servos);
+        .map(|(robot, drive)| {
+            let rig = robots::robot(robot.file, robot.turned, robot.servos);
             let poses = robots::poses(&rig);
-            row(format!("{name}, {}", drive.name()), rig, *drive, &poses)
+            row(format!("{}, {}", robot.name, drive.name()), rig, *drive, &poses)
         })
         .collect();
     print(&rows);
