@@ -112,8 +112,8 @@ fn takes(drive: Drive, model: &str) -> bool {
 
 /// How servos of a kind are driven unless told otherwise: see `docs/drives.md`.
 fn usual(model: &str) -> Drive {
-    let all = [Drive::Current, Drive::Voltage, Drive::Position];
-    all.into_iter().find(|drive| takes(*drive, model)).unwrap_or(Drive::Pulses)
+    let known = [Drive::Current, Drive::Position];
+    known.into_iter().find(|drive| takes(*drive, model)).unwrap_or(Drive::Pulses)
 }
 
 /// Whether the tracker closes the loop of servos of a kind, unless told otherwise.
@@ -148,10 +148,8 @@ pub(super) fn drives(
             let [one, other] = [one, other].map(|servo| servos[servo].name.clone());
             return Err(PartsError::Mixed { one, other });
         }
-        let of_drive = |drive| all().any(|servo| drives[servo] == drive);
-        let weakest = [Drive::Position, Drive::Voltage].into_iter().find(|drive| of_drive(*drive));
-        if let Some(drive) = weakest {
-            all().for_each(|servo| drives[servo] = drive);
+        if all().any(|servo| drives[servo] == Drive::Position) {
+            all().for_each(|servo| drives[servo] = Drive::Position);
         }
     }
     Ok(drives)

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use sinew_mocap::files::ClipFile;
+use sinew_performance::play::Drive;
 use sinew_performance::rig::LoadedRig;
 use sinew_performance::{
     ClipSettings, MotionChoices, PreparedClip, RigPerformance, ShowChoices, retarget_clip,
@@ -37,10 +38,12 @@ pub(super) fn clip_show<'r>(rig: &'r Rig, name: &'r str) -> impl FnOnce(u32) -> 
 
 #[test]
 fn the_starter_arm_follows_kicks_and_punches() {
-    let rows: Vec<_> = ["kicks_01", "punches_01"]
+    let clips = ["kicks_01", "punches_01"];
+    let rows: Vec<_> = [Drive::Current, Drive::Voltage]
         .par_iter()
-        .map(|name| {
-            let rig = Rig::new_arm();
+        .flat_map(|drive| clips.par_iter().map(move |name| (*drive, *name)))
+        .map(|(drive, name)| {
+            let rig = Rig { drive: Some(drive), ..Rig::new_arm() };
             let run = rig.perform(clip_show(&rig, name), Variation::default(), |_, _| {});
             let all = || run.samples.iter().flatten();
             let error = |sample: &super::run::Sample| sample.error_rad.abs().to_degrees();
@@ -48,14 +51,14 @@ fn the_starter_arm_follows_kicks_and_punches() {
             let largest_deg = all().map(error).fold(0.0, f64::max);
             let most_a = all().map(|sample| sample.current_a.abs()).fold(0.0, f64::max);
             let limited = all().filter(|sample| sample.is_limited).count();
-            (name, mean_deg, largest_deg, most_a, limited)
+            (drive, name, mean_deg, largest_deg, most_a, limited)
         })
         .collect();
     for row in &rows {
         println!("{row:.3?}");
     }
-    for (name, mean_deg, largest_deg, most_a, limited) in rows {
-        assert!(mean_deg <= MEAN_DEG && largest_deg <= LARGEST_DEG, "{name}");
-        assert!(most_a <= CURRENT_A && limited == 0, "{name}");
+    for (drive, name, mean_deg, largest_deg, most_a, limited) in rows {
+        assert!(mean_deg <= MEAN_DEG && largest_deg <= LARGEST_DEG, "{name}, {drive:?}");
+        assert!(most_a <= CURRENT_A && limited == 0, "{name}, {drive:?}");
     }
 }
