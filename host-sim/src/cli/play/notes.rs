@@ -18,21 +18,19 @@ pub(super) fn tell(parts: &RigParts) {
             ));
             continue;
         }
-        let known = [Drive::Current, Drive::Voltage, Drive::Position];
-        let driven = known.map(|drive| (by(drive), drive.name()));
-        let driven: Vec<String> = (driven.iter().filter(|(servos, _)| *servos > 0))
-            .map(|(servos, drive)| format!("{servos} by {drive}"))
-            .collect();
+        let (currents, positions) = (by(Drive::Current), by(Drive::Position));
+        let voltages = match by(Drive::Voltage) {
+            0 => String::new(),
+            voltages => format!("{voltages} by voltage, "),
+        };
         let each = match parts.groups(index) {
             1 => "all read in each tick".to_owned(),
             groups => format!("each read once in {groups} ticks"),
         };
         note(format_args!(
-            "bus {:?}: {count} servos at {} bit/s, {}; {} Hz, {each}",
-            line.name,
-            line.baud,
-            driven.join(", "),
-            parts.rate_hz
+            "bus {:?}: {count} servos at {} bit/s, {currents} by current, {voltages}{positions} by position; {} Hz, \
+             {each}",
+            line.name, line.baud, parts.rate_hz
         ));
     }
     tell_pulses(parts);
