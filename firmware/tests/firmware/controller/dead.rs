@@ -18,7 +18,8 @@ fn playing(kind: Kind) -> TestRig {
     test_rig.arm();
     test_rig.until(State::Holding, 2.0);
     test_rig.tick(Some(Command::Play(Feed::Show)));
-    test_rig.run(8.0);
+    // Friction of XL430 holds the arm at home: its way to the show is shorter.
+    test_rig.run(if kind == Kind::Voltage { 4.0 } else { 8.0 });
     assert_eq!((test_rig.state(), test_rig.servos_on()), (State::Playing, SERVOS));
     assert!(test_rig.most_current_a() > 0.05, "{} A", test_rig.most_current_a());
     test_rig
