@@ -28,7 +28,7 @@ impl Class {
     }
 
     /// Whether the tracker closes the loop: servos of this class take what it makes of an error.
-    pub const fn corrects(self) -> bool {
+    pub(crate) const fn corrects(self) -> bool {
         matches!(self, Self::Current | Self::Voltage)
     }
 

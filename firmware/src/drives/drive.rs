@@ -24,7 +24,7 @@ pub enum DriveSettings {
 
 impl DriveSettings {
     /// Settings of the effort, if it takes one.
-    pub fn effort(&self) -> Option<&CurrentSettings> {
+    pub(crate) fn effort(&self) -> Option<&CurrentSettings> {
         match self {
             Self::Current(own) => Some(own),
             Self::Voltage(own) => Some(&own.current),
