@@ -1,4 +1,4 @@
-//! Servos that take the whole effort: as a current, or ([`voltage`](super::voltage)) as the voltage that drives it.
+//! Servos that take the whole effort: as a current, or (`voltage`) as the voltage that drives that current.
 
 use sinew_core::tracker::Timing;
 use sinew_rig::limited::Limited;
