@@ -10,6 +10,7 @@ use crate::joint_states::JointStates;
 use crate::joint_targets::JointTargets;
 use crate::math;
 use crate::state::{JointState, StateInputError};
+use crate::tracker::Stance;
 use crate::transform::{Transform, Twist, Wrench};
 use crate::tree::{Body, Tree};
 
@@ -174,6 +175,8 @@ pub struct Observer<const N: usize, const D: usize> {
 struct Command {
     acceleration: Twist,
     learning: Learning,
+    /// The joint's target stands.
+    stands: bool,
 }
 
 /// Whether a joint's disturbance is learnt from the measurement that a command leads to.
@@ -203,7 +206,7 @@ impl Learning {
 }
 
 impl Command {
-    const NONE: Self = Self { acceleration: Twist::ZERO, learning: Learning::Free };
+    const NONE: Self = Self { acceleration: Twist::ZERO, learning: Learning::Free, stands: false };
 }
 
 impl<const N: usize, const D: usize> Observer<N, D> {
@@ -294,7 +297,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         self.estimates = state.clone();
         self.ahead = state.clone();
         self.any_sent = false;
-        let none = Command { acceleration: Twist::ZERO, learning: Learning::Frozen };
+        let none = Command { learning: Learning::Frozen, ..Command::NONE };
         for tick in &mut self.sent {
             tick.fill(none);
         }
@@ -385,15 +388,20 @@ impl<const N: usize, const D: usize> Observer<N, D> {
                 let limited = torques.next().is_some_and(|torque| torque.reason.is_some());
                 let learning = if limited { Learning::Frozen } else { Learning::Free };
                 let acceleration = if command.is_finite() { *command } else { Twist::ZERO };
-                *slot = Command { acceleration, learning };
+                *slot = Command { acceleration, learning, stands: false };
             }
         }
     }
 
-    /// Notes of the command that was recorded last that a joint rests: it learns no disturbance from the measurement
-    /// that the command leads to.
-    pub(crate) fn note_rest(&mut self, joint: usize) {
-        self.note(joint, Learning::Frozen);
+    /// Notes the stance of a joint with the command that was recorded last. A joint whose target stands is observed at
+    /// half the bandwidth when the measurement that the command leads to comes; one that rests learns nothing from it.
+    pub(crate) fn note_stance(&mut self, joint: usize, stance: Stance) {
+        if let Some(command) = self.sent.get_mut(self.delay).and_then(|tick| tick.get_mut(joint)) {
+            command.stands = stance != Stance::Moves;
+            if stance == Stance::Rests {
+                command.learning = Learning::Frozen;
+            }
+        }
     }
 
     /// Notes of the command that was recorded last that a joint's drive could not give all of the wrench: no
@@ -435,6 +443,8 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         let own;
         let settings = match self.poles.get(joint) {
             Some(&pole) if pole >= 0.0 => {
+                // Half the bandwidth, but for the square of the bandwidth's part of a tick.
+                let pole = if made.stands { 0.5 + 0.5 * pole } else { pole };
                 own = self.settings.with_pole(pole);
                 &own
             }

@@ -32,6 +32,7 @@ use crate::tree::Tree;
 use desired::Desired;
 use estimate::Estimate;
 use rest::Rest;
+pub(crate) use rest::Stance;
 
 pub use error::{InputError, SettingError, StepError, TrackerError};
 pub use frames::{Frame, FrameSource, Measured, extrapolate_before_start};
@@ -202,7 +203,9 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
 
     /// Sets the rest zone of each joint: while its target is slower than [`STANDS_RAD_S`], an error of at most so many
     /// rad (of slides, m) counts as none, and the observer learns nothing from it. 0 for none. Half the play of a
-    /// joint's gear and a step of its encoder is the radius within which its loop can only hunt. O(n).
+    /// joint's gear and a step of its encoder is the radius within which its loop can only hunt. A joint with a zone
+    /// and a bandwidth of its own ([`Self::set_bandwidths`]) has half of it while its target stands: within the play of
+    /// a gear a loop of the whole bandwidth can swing, and nothing is to be followed. O(n).
     ///
     /// # Errors
     /// [`TrackerError::Rest`], and nothing is changed, if there is not one for each joint, or one is not a finite
@@ -353,8 +356,8 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         }
         let torques = w.torques().get(..count).unwrap_or_default();
         self.estimate.commanded(w.commands(), torques);
-        for joint in (0..count).filter(|joint| self.rest.rests(*joint)) {
-            self.estimate.observer_mut().note_rest(joint);
+        for (joint, stance) in self.rest.stances().iter().enumerate().take(count) {
+            self.estimate.observer_mut().note_stance(joint, *stance);
         }
         Ok(Tick { tracker: self })
     }

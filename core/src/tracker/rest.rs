@@ -1,5 +1,7 @@
 //! Joints at rest: small errors of a target that stands are left alone.
 
+use glam::Vec3;
+
 use crate::control::Gains;
 use crate::joint_states::JointStates;
 use crate::joint_targets::JointTargets;
@@ -28,24 +30,40 @@ pub(super) struct Rest<const N: usize> {
     dt_s: f32,
     /// By joint: radius of its zone, rad or m; 0 for none.
     radii: [f32; N],
-    /// By joint: the share of its zone that is open; above 1 where the joint is within it.
+    /// By joint: the share of its zone that is open.
     open: [f32; N],
+    stances: [Stance; N],
     is_set: bool,
 }
 
-/// A mark on a zone that is open and has its joint within it.
-const WITHIN: f32 = 2.0;
+/// How much a joint is at rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Stance {
+    /// Its target moves, or it has no zone.
+    Moves,
+    /// Its target stands: it need not be followed fast.
+    Stands,
+    /// Its target stands, and the joint is within its open zone.
+    Rests,
+}
 
 impl<const N: usize> Rest<N> {
     /// Creates rest zones for an empty tree.
     #[inline(never)]
     pub(super) fn uninit() -> Self {
-        Self { dt_s: 0.0, radii: [0.0; N], open: [0.0; N], is_set: false }
+        Self {
+            dt_s: 0.0,
+            radii: [0.0; N],
+            open: [0.0; N],
+            stances: [Stance::Moves; N],
+            is_set: false,
+        }
     }
 
     /// Removes all zones.
     pub(super) fn init(&mut self, dt_s: f32) {
         self.dt_s = dt_s;
+        self.stances.fill(Stance::Moves);
         self.is_set = false;
     }
 
@@ -53,13 +71,14 @@ impl<const N: usize> Rest<N> {
     pub(super) fn set(&mut self, radii: &[f32]) {
         self.radii.fill(0.0);
         self.open.fill(0.0);
+        self.stances.fill(Stance::Moves);
         self.radii.iter_mut().zip(radii).for_each(|(own, radius)| *own = *radius);
         self.is_set = true;
     }
 
-    /// Whether a joint rests.
-    pub(super) fn rests(&self, joint: usize) -> bool {
-        self.is_set && self.open.get(joint).is_some_and(|open| *open >= WITHIN)
+    /// Returns the stance of each joint in the last tick; nothing where no zones are set.
+    pub(super) fn stances(&self) -> &[Stance] {
+        if self.is_set { &self.stances } else { &[] }
     }
 
     /// Takes off the targets' accelerations what the gains make of the errors within the zones. O(n).
@@ -77,8 +96,8 @@ impl<const N: usize> Rest<N> {
             return;
         }
         let joints = tree.bodies().iter().zip(states.as_slice());
-        let zones = self.radii.iter().zip(&mut self.open);
-        for (joint, (((body, state), (radius, open)), gains)) in
+        let zones = self.radii.iter().zip(&mut self.open).zip(&mut self.stances);
+        for (joint, (((body, state), ((radius, open), stance)), gains)) in
             joints.zip(zones).zip(gains).enumerate()
         {
             let Some(target) = targets.states().get(joint) else { return };
@@ -90,13 +109,12 @@ impl<const N: usize> Rest<N> {
                 let own = if slides { velocity.linear * SLIDE_RAD_M } else { velocity.angular };
                 own.dot(own) < than_rad_s * than_rad_s
             };
-            let stands = is_slower(&target.velocity, STANDS_RAD_S)
-                && is_slower(&state.velocity, GLIDES_RAD_S);
-            let was = open.min(1.0);
-            *open = if stands {
-                (was + self.dt_s / OPENS_S).min(1.0)
+            let stands = is_slower(&target.velocity, STANDS_RAD_S);
+            *stance = if stands { Stance::Stands } else { Stance::Moves };
+            *open = if stands && is_slower(&state.velocity, GLIDES_RAD_S) {
+                (*open + self.dt_s / OPENS_S).min(1.0)
             } else {
-                (was - self.dt_s / CLOSES_S).max(0.0)
+                (*open - self.dt_s / CLOSES_S).max(0.0)
             };
             if *open <= 0.0 {
                 continue;
@@ -107,7 +125,11 @@ impl<const N: usize> Rest<N> {
                 let way = target.pose.translation_m - state.pose.translation_m;
                 target.pose.rotation.conjugate() * way
             } else {
-                math::log(math::turn_in_body(state.pose.rotation, target.pose.rotation))
+                // The chord, whose direction is that of the arc, and whose length is that of the arc but for a part of
+                // its square over 24: of a zone of 0.1 rad a part of 0.0004.
+                let turn = math::turn_in_body(state.pose.rotation, target.pose.rotation);
+                let chord = Vec3::new(turn.x, turn.y, turn.z) * 2.0;
+                if turn.w < 0.0 { -chord } else { chord }
             };
             let squared = off.dot(off);
             let is_within = squared <= zone * zone;
@@ -119,7 +141,7 @@ impl<const N: usize> Rest<N> {
                 against.angular = within * -gains.kp();
             }
             if is_within && *open >= 1.0 {
-                *open = WITHIN;
+                *stance = Stance::Rests;
             }
             targets.add_acceleration(joint, against);
         }
