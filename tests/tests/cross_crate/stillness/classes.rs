@@ -1,6 +1,8 @@
 //! Each kind of servo by each class of drive: how still it stands, how it follows, what it heats. `docs/drives.md` has
 //! the table.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
 use rayon::prelude::*;
 use sinew_performance::play::Drive;
 use sinew_rig::description::ServoModel;
@@ -71,7 +73,12 @@ fn row(name: String, mut rig: Rig, drive: Drive, poses: &Poses) -> Row {
     rig.drive = Some(drive);
     let mut held = [0.0; 2];
     let still = plants().map(|variation| {
-        let (run, heat) = heated(&rig, rig.show_of(&poses.motion), variation);
+        // A run that ends in a fault is in the table, as one that swings without end.
+        let run = AssertUnwindSafe(|| heated(&rig, rig.show_of(&poses.motion), variation));
+        let Ok((run, heat)) = catch_unwind(run) else {
+            let (peak_to_peak_deg, offset_deg) = (f64::INFINITY, f64::INFINITY);
+            return Stillness { peak_to_peak_deg, offset_deg, ..Stillness::default() };
+        };
         if variation == Variation::default() {
             held = heat;
         }
