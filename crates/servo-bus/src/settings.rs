@@ -206,8 +206,10 @@ fn dynamixel_of(
         Mode::CurrentPosition => 5,
         Mode::Pwm => 16,
     };
-    // A servo that measures current is limited there.
-    let share = if table.model.current.is_some() { 1.0 } else { requirements.share() };
+    // A servo that measures current is limited there; one in PWM mode by whoever commands it, since its PWM is both
+    // torque and speed.
+    let is_full = table.model.current.is_some() || requirements.mode == Mode::Pwm;
+    let share = if is_full { 1.0 } else { requirements.share() };
     DYNAMIXEL_ITEMS.iter().filter(move |(_, _, must)| must.counts(is_limp)).filter_map(
         move |(only, item, must)| {
             Some(requirements.setting(table.own(*only, item)?, *must, mode, share))

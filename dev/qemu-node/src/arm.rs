@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 use sinew_core::tracker::{MethodName, Settings as TrackerSettings};
 use sinew_firmware::controller::{ControllerSettings, ServoSetup};
-use sinew_firmware::drives::{CurrentSettings, CutOff, DriveSettings, Encoder, PositionSettings};
+use sinew_firmware::drives::{
+    CurrentSettings, CutOff, DriveSettings, Encoder, PositionSettings, VoltageSettings,
+};
 use sinew_firmware::supervisor::detect::{HeatSettings, SupplySettings, WindingSettings};
 use sinew_servo_bus::dynamixel::{self, table::MODELS};
 use sinew_servo_bus::feetech::{self, Family};
@@ -23,13 +25,15 @@ pub enum Kind {
     Current,
     /// STS3215 by position, 100 Hz at 1 Mbps.
     Position,
+    /// XL430 by voltage, 400 Hz at 4 Mbps.
+    Voltage,
 }
 
 impl Kind {
     /// Ticks a second.
     pub fn rate_hz(self) -> u32 {
         match self {
-            Self::Current => 400,
+            Self::Current | Self::Voltage => 400,
             Self::Position => 100,
         }
     }
@@ -39,6 +43,7 @@ impl Kind {
         match self {
             Self::Current => "XL330-M288-T",
             Self::Position => "STS3215-7.4V",
+            Self::Voltage => "XL430-W250-T",
         }
     }
 }
@@ -65,27 +70,36 @@ pub type Bus = sinew_wiring::Bus<CAPACITY>;
 /// # Panics
 /// Never: they are all constants.
 pub fn parts(kind: Kind) -> Parts {
-    let baud = if kind == Kind::Current { 4_000_000 } else { 1_000_000 };
+    let baud = if kind == Kind::Position { 1_000_000 } else { 4_000_000 };
     let timing = Timing { baud, return_delay_us: 2, turnaround_us: 5 };
     let (traffic, recommended_v, bounds_v, stall_a, stall_nm) = match kind {
-        // What the makers say: 5 V, off below 3.5 and above 7; 7.4 V, 4 to 9.
+        // What the makers say: 5 V, off below 3.5 and above 7; 7.4 V, 4 to 9; 11.1 V, 6 to 14.
         Kind::Current => (dynamixel::traffic(COUNT, 2, true), 5.0, [3.5, 7.0], 1.47, 0.52),
         Kind::Position => {
             let traffic = feetech::traffic(Family::Sts, COUNT).with_goal(6);
             (traffic, 7.4, [4.0, 9.0], 2.4, 1.91)
         }
+        Kind::Voltage => (dynamixel::traffic(COUNT, 2, true), 11.1, [6.0, 14.0], 1.3, 1.4),
     };
     let schedule = Schedule::new(timing, &traffic, kind.rate_hz()).expect("the bus is fast enough");
+    let current = CurrentSettings {
+        encoder: Encoder::default(),
+        blind_rad: 0.0059,
+        current_a: 1.2,
+        // Above what the detector of heat finds first.
+        cut_off: CutOff { warm_c: 65.0, hot_c: 69.0, ..CutOff::default() },
+    };
     let setup = ServoSetup {
         drive: match kind {
-            Kind::Current => DriveSettings::Current(CurrentSettings {
-                encoder: Encoder::default(),
-                blind_rad: 0.0059,
-                current_a: 1.2,
-                // Above what the detector of heat finds first.
-                cut_off: CutOff { warm_c: 65.0, hot_c: 69.0, ..CutOff::default() },
-            }),
+            Kind::Current => DriveSettings::Current(current),
             Kind::Position => DriveSettings::Position(PositionSettings::default()),
+            Kind::Voltage => DriveSettings::Voltage(VoltageSettings {
+                current: CurrentSettings { current_a: 1.0, ..current },
+                resistance_ohm: recommended_v / stall_a,
+                // Supply over speed without load, less what friction takes.
+                back_emf_v_s: 1.44,
+                supply_v: recommended_v,
+            }),
         },
         // An XL330's gear with a light load: half its play and a step of its encoder.
         bandwidth_rad_s: 40.0,
@@ -98,7 +112,7 @@ pub fn parts(kind: Kind) -> Parts {
         shutdown_c: 70.0,
     };
     let tracker = match kind {
-        Kind::Current => TrackerSettings::recommended(),
+        Kind::Current | Kind::Voltage => TrackerSettings::recommended(),
         // 10 ms and as much latency: too late for the recommended one, whose feedback no position servo takes.
         Kind::Position => {
             TrackerSettings { method: MethodName::Local, ..TrackerSettings::default() }
@@ -112,12 +126,16 @@ pub fn parts(kind: Kind) -> Parts {
 fn bus(kind: Kind, schedule: Schedule) -> Bus {
     let ids: [u8; SERVOS] = [1, 2, 3, 4, 5, 6];
     match kind {
-        Kind::Current => {
-            let model = MODELS.iter().find(|model| model.name == "XL330-M288");
+        Kind::Current | Kind::Voltage => {
+            let (name, mode) = match kind {
+                Kind::Voltage => ("XL430-W250", dynamixel::Mode::Pwm),
+                _ => ("XL330-M288", dynamixel::Mode::Current),
+            };
+            let model = MODELS.iter().find(|model| model.name == name);
             let setups = ids.map(|id| dynamixel::ServoSetup {
                 id,
                 model: model.expect("the table has it"),
-                mode: dynamixel::Mode::Current,
+                mode,
                 range_rad: [0.0, 6.2],
                 current_a: 1.2,
                 pwm: 1.0,

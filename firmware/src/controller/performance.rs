@@ -12,9 +12,7 @@ use super::error::ControllerError;
 use super::pose::Pose;
 use super::report::DofReport;
 use super::settings::{ControllerSettings, ServoSetup};
-use crate::drives::{
-    Class, Condition, DriveSettings, Drives, Limit, Measured, ServoCommand, ServoDrive,
-};
+use crate::drives::{Class, Condition, Drives, Limit, Measured, ServoCommand, ServoDrive};
 
 /// One more than the longest latency in ticks.
 const DELAYS: usize = 8;
@@ -70,7 +68,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
             let class = drive.servos.first().and_then(|servo| class(drives.servos(), *servo));
             for dof in &drive.dofs {
                 if let Some(corrects) = corrects.get_mut(usize::from(*dof)) {
-                    *corrects = class == Some(Class::Current);
+                    *corrects = class.is_some_and(Class::corrects);
                 }
             }
         }
@@ -87,9 +85,9 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         let (mut bandwidths, mut rests) = ([0.0_f32; BODIES], [0.0_f32; BODIES]);
         for drive in self.rig.drives() {
             let own = drive.servos.iter().filter_map(|servo| servos.get(usize::from(*servo)));
-            let by_current = own.filter(|servo| matches!(servo.drive, DriveSettings::Current(_)));
+            let corrected = own.filter(|servo| servo.drive.effort().is_some());
             let (mut least, mut sum) = (f32::INFINITY, 0.0_f32);
-            for servo in by_current {
+            for servo in corrected {
                 (least, sum) = (least.min(servo.bandwidth_rad_s), sum + servo.rest_rad);
             }
             for dof in &drive.dofs {
@@ -125,7 +123,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
 
     /// Whether every servo takes an effort: else the rig cannot carry itself.
     pub(super) fn carries(&self) -> bool {
-        self.drives.servos().iter().all(|servo| servo.class() == Class::Current)
+        self.drives.servos().iter().all(|servo| servo.class().corrects())
     }
 
     /// Begins where the rig is, at rest.
@@ -156,26 +154,13 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         share: impl Fn(usize) -> f32,
         report: &mut [DofReport],
     ) -> Result<&[Option<ServoCommand>], NotFinite> {
-        let Self { rig, tracker, drives, commands, .. } = self;
+        let Self { tracker, commands, .. } = self;
         let measured = Reading::Coordinates { q, qd };
         let mut tick = tracker.step(&mut &*pose, 0, measured).map_err(|_| NotFinite)?;
         tick.dof_commands(commands).map_err(|_| NotFinite)?;
         for (command, report) in commands.iter_mut().zip(report) {
             command.feedback_effort *= report.gain;
             (report.effort, report.limit) = (command.effort(), command.limited);
-        }
-        // What a servo in position mode gives more than its target asks for is its offset.
-        for drive in rig.drives() {
-            let servos = drive.servos.iter().map(|servo| usize::from(*servo));
-            let share = servos.map(&share).fold(1.0, f32::min);
-            for dof in &drive.dofs {
-                let class = drive.servos.first().and_then(|servo| class(drives.servos(), *servo));
-                if let Some(command) = commands.get_mut(usize::from(*dof))
-                    && class == Some(Class::Position)
-                {
-                    command.feedforward_effort *= share;
-                }
-            }
         }
         self.drive(conditions, share)
     }
@@ -237,6 +222,24 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         share: impl Fn(usize) -> f32,
     ) -> Result<&[Option<ServoCommand>], NotFinite> {
         let Self { rig, tracker, drives, commands, out, .. } = self;
+        // What a servo in position mode gives more than its target asks for is its offset; of a voltage the part that
+        // holds against back-EMF gives no effort.
+        for drive in rig.drives() {
+            let class = drive.servos.first().and_then(|servo| class(drives.servos(), *servo));
+            let share = match class {
+                Some(Class::Position | Class::Voltage) => {
+                    let servos = drive.servos.iter().map(|servo| usize::from(*servo));
+                    servos.map(&share).fold(1.0, f32::min)
+                }
+                _ => 1.0,
+            };
+            for dof in &drive.dofs {
+                if let Some(command) = commands.get_mut(usize::from(*dof)) {
+                    command.feedforward_effort *= share;
+                    command.feedback_effort *= share;
+                }
+            }
+        }
         drives.step(commands, conditions, out).map_err(|_| NotFinite)?;
         // Most ticks have none: they do without the pass over drives.
         if out.iter().flatten().any(gives_its_most) {
@@ -260,7 +263,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
 /// Whether a servo cannot give more. A hot one does not count: from heat the observer learns, or a joint would sag
 /// further with each tick of less current.
 fn gives_its_most(servo: &ServoCommand) -> bool {
-    matches!(servo.limit, Some(Limit::Torque | Limit::Current | Limit::Stale))
+    matches!(servo.limit, Some(Limit::Torque | Limit::Current | Limit::Voltage | Limit::Stale))
 }
 
 fn class(servos: &[ServoDrive], servo: u16) -> Option<Class> {

@@ -92,10 +92,10 @@ pub struct ServoSetup {
     /// Its class, with settings.
     pub drive: DriveSettings,
     /// Bandwidth of its joint's observer by its gear and load, rad/s; 0 for that of the tracker's settings. Of several
-    /// servos at a joint the least counts. Of a servo by current alone.
+    /// servos at a joint the least counts. Of a servo by current or voltage alone.
     pub bandwidth_rad_s: f32,
     /// Half the play of its gear and a step of its encoder, at its joint, rad (of slides, m); 0 for no rest zone. Those
-    /// of all servos at a joint add up. Of a servo by current alone.
+    /// of all servos at a joint add up. Of a servo by current or voltage alone.
     pub rest_rad: f32,
     /// Temperatures.
     pub heat: HeatSettings,
@@ -119,6 +119,7 @@ impl ServoSetup {
             DriveSettings::Current(own) => (Mode::Current, Some(own.encoder), 1.0),
             DriveSettings::Position(own) => (Mode::Position, Some(own.encoder), own.gain_ratio),
             DriveSettings::Target(own) => (Mode::Position, own.encoder, 1.0),
+            DriveSettings::Voltage(own) => (Mode::Pwm, Some(own.current.encoder), 1.0),
         };
         let zero_rad = encoder.unwrap_or_default().zero_rad;
         ServoRequirements {

@@ -9,7 +9,7 @@ use super::path::Path;
 use super::report::{DofReport, Following as Error, ServoReport};
 use super::settings::{ControllerSettings, ServoSetup};
 use crate::SettingError;
-use crate::drives::{Condition, DriveSettings, Measured};
+use crate::drives::{Condition, Measured};
 use crate::supervisor::detect::{
     Derated, Following, Heat, Overrun, Silence, Supply, Swing, SwingSettings, Winding,
 };
@@ -64,7 +64,7 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
             SettingError::check("stall_a", setup.stall_a, [1e-3, 100.0]).map_err(of)?;
             SettingError::check("stall_nm", setup.stall_nm, [1e-3, 1e4]).map_err(of)?;
             SettingError::check("shutdown_c", setup.shutdown_c, [0.0, 150.0]).map_err(of)?;
-            if let DriveSettings::Current(drive) = setup.drive {
+            if let Some(drive) = setup.drive.effort() {
                 // Else it would fall at the fault that lets it down.
                 let least = setup.heat.off_c;
                 SettingError::check("cut_off.warm_c", drive.cut_off.warm_c, [least, 150.0])

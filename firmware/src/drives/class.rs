@@ -10,6 +10,8 @@ use sinew_servo_bus::{dynamixel, feetech};
 pub enum Class {
     /// [`CurrentDrive`](super::CurrentDrive).
     Current,
+    /// [`VoltageDrive`](super::VoltageDrive).
+    Voltage,
     /// [`PositionDrive`](super::PositionDrive).
     Position,
     /// [`TargetDrive`](super::TargetDrive).
@@ -20,9 +22,14 @@ impl Class {
     /// The least rate, Hz.
     pub const fn least_hz(self) -> f32 {
         match self {
-            Self::Current => 200.0,
+            Self::Current | Self::Voltage => 200.0,
             Self::Position | Self::Target => 50.0,
         }
+    }
+
+    /// Whether the tracker closes the loop: servos of this class take what it makes of an error.
+    pub(crate) const fn corrects(self) -> bool {
+        matches!(self, Self::Current | Self::Voltage)
     }
 
     /// The class of a Dynamixel in an operating mode.
@@ -39,18 +46,18 @@ impl Class {
             Mode::Current => Err(ClassError::NoCurrentSensor),
             Mode::Position | Mode::ExtendedPosition => Ok(Self::Position),
             Mode::CurrentPosition => Err(ClassError::CurrentPosition),
-            Mode::Pwm => Err(ClassError::Pwm),
+            Mode::Pwm => Ok(Self::Voltage),
         }
     }
 
     /// The class of a Feetech in a mode.
     ///
     /// # Errors
-    /// [`ClassError::Pwm`].
+    /// [`ClassError::FeetechPwm`].
     pub fn of_feetech(mode: feetech::Mode) -> Result<Self, ClassError> {
         match mode {
             feetech::Mode::Position => Ok(Self::Position),
-            feetech::Mode::Pwm => Err(ClassError::Pwm),
+            feetech::Mode::Pwm => Err(ClassError::FeetechPwm),
         }
     }
 }
@@ -59,6 +66,7 @@ impl fmt::Display for Class {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Current => "current",
+            Self::Voltage => "voltage",
             Self::Position => "position",
             Self::Target => "target",
         })
@@ -74,20 +82,20 @@ pub enum ClassError {
     NoCurrentSensor,
     /// Position with a limit of current: the stiffness of a servo in this mode is not published.
     CurrentPosition,
-    /// PWM: a part of the supply is no torque of a motor that turns.
-    Pwm,
+    /// PWM of a Feetech: what its motor makes of it is not known, and its bus is slow.
+    FeetechPwm,
 }
 
 impl fmt::Display for ClassError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::NoCurrentSensor => {
-                "the model has no current sensor: set it to position mode (3)"
+                "the model has no current sensor: set it to PWM mode (16) or position mode (3)"
             }
             Self::CurrentPosition => {
                 "the stiffness in current-based position mode (5) is not known: set position mode (3)"
             }
-            Self::Pwm => "PWM is no torque of a motor that turns: set position or current mode",
+            Self::FeetechPwm => "no drive gives PWM to a Feetech: set position mode (0)",
         })
     }
 }

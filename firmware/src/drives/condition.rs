@@ -1,6 +1,6 @@
 //! How a servo is, and when a drive lets go of it.
 
-use sinew_servo_bus::{Effort, Feedback, ServoBus};
+use sinew_servo_bus::{Effort, Feedback, Health, ServoBus};
 
 use super::{InputError, Limit};
 use crate::SettingError;
@@ -12,26 +12,28 @@ pub struct Condition {
     pub feedback: Option<Feedback>,
     /// Its temperature, degC; none if it was not read yet.
     pub temperature_c: Option<f32>,
+    /// Its supply, V; none if it was not read yet.
+    pub supply_v: Option<f32>,
 }
 
 impl Condition {
     /// Of a servo on a bus.
     pub fn of(bus: &impl ServoBus, servo: usize) -> Self {
-        Self {
-            feedback: bus.feedback(servo),
-            temperature_c: bus.health(servo).and_then(|health| health.temperature_c),
-        }
+        Self::new(bus.feedback(servo), bus.health(servo).unwrap_or_default())
+    }
+
+    /// Of what was read.
+    pub(crate) fn new(feedback: Option<Feedback>, health: Health) -> Self {
+        Self { feedback, temperature_c: health.temperature_c, supply_v: health.voltage_v }
     }
 
     /// Refuses conditions that are not one for each servo, or not of numbers.
     pub(super) fn check_all(servos: usize, conditions: &[Self]) -> Result<(), InputError> {
         InputError::check_count("conditions", servos, conditions.len())?;
         for (index, condition) in conditions.iter().enumerate() {
-            InputError::check_number(
-                "temperature of servo",
-                index,
-                condition.temperature_c.unwrap_or(0.0),
-            )?;
+            let told = |number: Option<f32>| number.unwrap_or(0.0);
+            InputError::check_number("temperature of servo", index, told(condition.temperature_c))?;
+            InputError::check_number("supply of servo", index, told(condition.supply_v))?;
             let Some(read) = condition.feedback else { continue };
             let (Effort::Current(effort) | Effort::Load(effort)) = read.effort;
             InputError::check_number("position of servo", index, read.position_rad)?;

@@ -1,4 +1,4 @@
-//! Servos in current mode: the whole effort.
+//! Servos that take the whole effort: as a current, or (`voltage`) as the voltage that drives that current.
 
 use sinew_core::tracker::Timing;
 use sinew_rig::limited::Limited;
@@ -59,10 +59,20 @@ impl CurrentDrive {
     /// [`Refused`] if readings come too late for the tracker's loop, the torque constant is not known, the range goes
     /// over the encoder's seam, or a number cannot be.
     pub fn new(servo: &Servo, settings: &CurrentSettings, timing: Timing) -> Result<Self, Refused> {
-        Refused::check_rate(Class::Current, timing)?;
+        Self::of_class(Class::Current, servo, settings, timing)
+    }
+
+    /// The same of a class that turns the current into something else.
+    pub(super) fn of_class(
+        class: Class,
+        servo: &Servo,
+        settings: &CurrentSettings,
+        timing: Timing,
+    ) -> Result<Self, Refused> {
+        Refused::check_rate(class, timing)?;
         let late = Timing { latency_ticks: timing.latency_ticks.max(1), ..timing };
         if late.check_recommended().is_err() {
-            return Err(Refused::TooSlow { class: Class::Current, least_hz: Self::LEAST_HZ });
+            return Err(Refused::TooSlow { class, least_hz: class.least_hz() });
         }
         if servo.settings().torque_constant_nm_a < LEAST_CONSTANT_NM_A {
             return Err(Refused::NoTorqueConstant);
@@ -81,10 +91,17 @@ impl CurrentDrive {
 
     /// A tick. Numbers are finite: [`Drives`](super::Drives) checks them.
     pub fn command(&mut self, target: &ShaftTarget, condition: &Condition) -> ServoCommand {
-        let (share, cut) = self.settings.cut_off.share(condition, self.dt_s);
-        let step = self.dt_s / FADE_S;
-        self.share = share.max(self.share - step).min(self.share + step);
+        let (current_a, limit) = self.current(target, condition);
+        let (current_a, limit) = self.allowed(current_a, limit, condition);
+        ServoCommand { command: Command::Current(current_a), limit }
+    }
 
+    /// The current that gives the effort, A, and what limits it.
+    pub(super) fn current(
+        &self,
+        target: &ShaftTarget,
+        condition: &Condition,
+    ) -> (f32, Option<Limit>) {
         let speed_rad_s = target.velocity_rad_s + self.way_back_rad_s(target, condition);
         let friction_nm = self.servo.shaft_friction(speed_rad_s).unwrap_or(0.0);
         let shaft_nm = target.feedforward_nm + target.feedback_nm + friction_nm;
@@ -97,10 +114,23 @@ impl CurrentDrive {
         if current_a.abs() > most_a {
             (current_a, limit) = (current_a.max(-most_a).min(most_a), Some(Limit::Current));
         }
-        if self.is_outwards(current_a, condition) {
-            (current_a, limit) = (0.0, Some(Limit::Range));
+        (current_a, limit)
+    }
+
+    /// What may be given of a current or a voltage by range, age of readings and heat; once a tick.
+    pub(super) fn allowed(
+        &mut self,
+        mut wanted: f32,
+        mut limit: Option<Limit>,
+        condition: &Condition,
+    ) -> (f32, Option<Limit>) {
+        let (share, cut) = self.settings.cut_off.share(condition, self.dt_s);
+        let step = self.dt_s / FADE_S;
+        self.share = share.max(self.share - step).min(self.share + step);
+        if self.is_outwards(wanted, condition) {
+            (wanted, limit) = (0.0, Some(Limit::Range));
         }
-        ServoCommand { command: Command::Current(current_a * self.share), limit: cut.or(limit) }
+        (wanted * self.share, cut.or(limit))
     }
 
     /// The speed at which the shaft is to return to its target.
@@ -112,12 +142,12 @@ impl CurrentDrive {
         RETURN_PER_S * (off_rad - off_rad.max(-blind_rad).min(blind_rad))
     }
 
-    /// Whether a current drives the servo on, beyond an end of its range.
-    fn is_outwards(&self, current_a: f32, condition: &Condition) -> bool {
+    /// Whether a current or a voltage drives the servo on, beyond an end of its range.
+    fn is_outwards(&self, wanted: f32, condition: &Condition) -> bool {
         let [least, most] = self.servo.settings().range_rad;
         condition.feedback.is_some_and(|feedback| {
             let own_rad = feedback.position_rad - self.settings.encoder.zero_rad;
-            own_rad > most && current_a > 0.0 || own_rad < least && current_a < 0.0
+            own_rad > most && wanted > 0.0 || own_rad < least && wanted < 0.0
         })
     }
 

@@ -5,7 +5,7 @@ use sinew_rig::servo::{Address, Servo};
 
 use super::{
     Class, Condition, CurrentDrive, CurrentSettings, Encoder, PositionDrive, PositionSettings,
-    Refused, ServoCommand, ShaftTarget, TargetDrive, TargetSettings,
+    Refused, ServoCommand, ShaftTarget, TargetDrive, TargetSettings, VoltageDrive, VoltageSettings,
 };
 
 /// How a servo is driven: the class, and its settings.
@@ -18,6 +18,19 @@ pub enum DriveSettings {
     Position(PositionSettings),
     /// By position alone.
     Target(TargetSettings),
+    /// By voltage.
+    Voltage(VoltageSettings),
+}
+
+impl DriveSettings {
+    /// Settings of the effort, if it takes one.
+    pub(crate) fn effort(&self) -> Option<&CurrentSettings> {
+        match self {
+            Self::Current(own) => Some(own),
+            Self::Voltage(own) => Some(&own.current),
+            Self::Position(_) | Self::Target(_) => None,
+        }
+    }
 }
 
 /// The drive of one servo.
@@ -29,6 +42,8 @@ pub enum ServoDrive {
     Position(PositionDrive),
     /// By position alone.
     Target(TargetDrive),
+    /// By voltage.
+    Voltage(VoltageDrive),
 }
 
 impl ServoDrive {
@@ -41,6 +56,7 @@ impl ServoDrive {
             DriveSettings::Current(own) => Self::Current(CurrentDrive::new(servo, own, timing)?),
             DriveSettings::Position(own) => Self::Position(PositionDrive::new(servo, own, timing)?),
             DriveSettings::Target(own) => Self::Target(TargetDrive::new(servo, own, timing)?),
+            DriveSettings::Voltage(own) => Self::Voltage(VoltageDrive::new(servo, own, timing)?),
         })
     }
 
@@ -50,6 +66,7 @@ impl ServoDrive {
             Self::Current(_) => Class::Current,
             Self::Position(_) => Class::Position,
             Self::Target(_) => Class::Target,
+            Self::Voltage(_) => Class::Voltage,
         }
     }
 
@@ -59,6 +76,7 @@ impl ServoDrive {
             Self::Current(drive) => drive.command(target, condition),
             Self::Position(drive) => drive.command(target, condition),
             Self::Target(drive) => drive.command(target),
+            Self::Voltage(drive) => drive.command(target, condition),
         }
     }
 
@@ -68,13 +86,14 @@ impl ServoDrive {
             Self::Current(drive) => drive.begin(),
             Self::Position(drive) => drive.begin(own_rad),
             Self::Target(drive) => drive.begin(own_rad),
+            Self::Voltage(drive) => drive.begin(),
         }
     }
 
     /// The own position that it was last sent to, rad; 0 of one that is sent none.
     pub(super) fn sent_rad(&self) -> f32 {
         match self {
-            Self::Current(_) => 0.0,
+            Self::Current(_) | Self::Voltage(_) => 0.0,
             Self::Position(drive) => drive.sent_rad(),
             Self::Target(drive) => drive.sent_rad(),
         }
@@ -83,7 +102,7 @@ impl ServoDrive {
     /// Refuses pulses where a bus is needed.
     pub(super) fn check_address(&self, address: Address) -> Result<(), Refused> {
         match (self, address) {
-            (Self::Current(_) | Self::Position(_), Address::Channel(_)) => {
+            (Self::Current(_) | Self::Voltage(_) | Self::Position(_), Address::Channel(_)) => {
                 Err(Refused::NoBus(self.class()))
             }
             _ => Ok(()),
@@ -95,6 +114,7 @@ impl ServoDrive {
             Self::Current(drive) => drive.servo(),
             Self::Position(drive) => drive.servo(),
             Self::Target(drive) => drive.servo(),
+            Self::Voltage(drive) => drive.servo(),
         }
     }
 
@@ -103,6 +123,7 @@ impl ServoDrive {
             Self::Current(drive) => drive.encoder(),
             Self::Position(drive) => drive.encoder(),
             Self::Target(drive) => drive.encoder(),
+            Self::Voltage(drive) => drive.encoder(),
         }
     }
 }

@@ -10,6 +10,8 @@
 //! | --- | --- | --- | --- | --- |
 //! | [`CurrentDrive`] | servos in current mode | feed-forward and feedback effort | effort and friction over the torque
 //! constant | 200 Hz |
+//! | [`VoltageDrive`] | servos in PWM mode | the same | that current through the winding, and back-EMF, over the supply |
+//! 200 Hz |
 //! | [`PositionDrive`] | servos in position mode of known stiffness | target and feed-forward effort | target, and the
 //! effort over the servo's own stiffness | 50 Hz |
 //! | [`TargetDrive`] | hobby servos, and others of unknown stiffness | target | the target, within its limits | 50 Hz |
@@ -26,7 +28,7 @@
 //!
 //! # What is refused
 //! [`SetupError`] says it at construction: a rate below the class's least, a range that crosses the encoder's seam, a
-//! current drive without a torque constant, a position drive without a stiffness, servos of two classes on one drive.
+//! current or voltage drive without a torque constant, a position drive without a stiffness, servos of two classes on one drive.
 //!
 //! ```
 //! use sinew_servo_bus::Command;
@@ -79,6 +81,7 @@ mod position;
 mod rig;
 mod target;
 mod turn;
+mod voltage;
 
 pub use class::{Class, ClassError};
 pub use condition::{Condition, CutOff};
@@ -90,6 +93,7 @@ pub use measured::Measured;
 pub use position::{PositionDrive, PositionSettings};
 pub use rig::Drives;
 pub use target::{TargetDrive, TargetSettings};
+pub use voltage::{VoltageDrive, VoltageSettings};
 
 use sinew_rig::limited::LimitReason;
 use sinew_servo_bus::Command;
@@ -130,6 +134,8 @@ pub enum Limit {
     Torque,
     /// The largest current.
     Current,
+    /// The supply's voltage, or the part of it that the servo's own torque and speed take.
+    Voltage,
     /// The largest offset.
     Offset,
     /// The fastest change of the offset.

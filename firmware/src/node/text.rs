@@ -50,6 +50,7 @@ fn of_drive(limit: drives::Limit) -> Limit {
         drives::Limit::Acceleration => Limit::Acceleration,
         drives::Limit::Torque => Limit::Effort,
         drives::Limit::Current => Limit::Current,
+        drives::Limit::Voltage => Limit::Supply,
         drives::Limit::Offset | drives::Limit::OffsetRate => Limit::Offset,
         drives::Limit::Stale => Limit::Stale,
         drives::Limit::Heat => Limit::Heat,

@@ -5,7 +5,7 @@ use sinew_core::tracker::Timing;
 use sinew_firmware::drives::{
     Class, ClassError, Condition, CurrentDrive, CurrentSettings, CutOff, DriveSettings, Drives,
     Encoder, Limit, PositionDrive, PositionSettings, Refused, SetupError, ShaftTarget, TargetDrive,
-    TargetSettings,
+    TargetSettings, VoltageDrive, VoltageSettings,
 };
 use sinew_rig::board::BoardRig;
 use sinew_rig::servo::{Servo, ServoSettings, SignalLoss};
@@ -20,6 +20,9 @@ const CURRENT: CurrentSettings = CurrentSettings {
     current_a: 1.0,
     cut_off: CutOff { stale_s: 0.1, warm_c: 55.0, hot_c: 65.0 },
 };
+
+const VOLTAGE: VoltageSettings =
+    VoltageSettings { current: CURRENT, resistance_ohm: 4.0, back_emf_v_s: 0.5, supply_v: 10.0 };
 
 fn servo(change: impl Fn(&mut ServoSettings)) -> Servo {
     let mut settings = ServoSettings {
@@ -47,7 +50,11 @@ fn at(own_rad: f32, temperature_c: f32) -> Condition {
         effort: Effort::Current(0.0),
         age_ticks: 1,
     };
-    Condition { feedback: Some(feedback), temperature_c: Some(temperature_c) }
+    Condition {
+        feedback: Some(feedback),
+        temperature_c: Some(temperature_c),
+        ..Condition::default()
+    }
 }
 
 fn current(command: Command) -> f32 {
@@ -81,6 +88,55 @@ fn a_current_drive_gives_the_whole_effort_and_the_friction() {
     let outside = drive.command(&strong, &at(2.1, 30.0));
     assert!(current(outside.command).abs() <= 0.0 && outside.limit == Some(Limit::Range));
     assert!(current(drive.command(&strong, &at(-2.1, 30.0)).command) > 0.9, "inwards it may");
+}
+
+fn part(command: Command) -> f32 {
+    let Command::Pwm(part) = command else { panic!("{command:?}") };
+    part
+}
+
+#[test]
+fn a_voltage_drive_gives_what_drives_the_current_and_holds_against_the_back_emf() {
+    let mut drive = VoltageDrive::new(&servo(|_| {}), &VOLTAGE, TIMING).unwrap();
+    let target = ShaftTarget {
+        velocity_rad_s: 1.0,
+        feedforward_nm: 0.1,
+        feedback_nm: -0.3,
+        ..ShaftTarget::default()
+    };
+    let turning = |velocity_rad_s: f32, supply_v: Option<f32>| {
+        let mut condition = at(0.0, 30.0);
+        condition.feedback.as_mut().unwrap().velocity_rad_s = velocity_rad_s;
+        Condition { supply_v, ..condition }
+    };
+    let settled = (0..100).map(|_| drive.command(&target, &turning(-2.0, None))).last().unwrap();
+    // The current of the drive by current, 0.15 A, through 4 ohm, and 0.5 V s/rad at -2 rad/s, of 10 V.
+    assert!((part(settled.command) - (0.6 - 1.0) / 10.0).abs() < 2e-5, "{settled:?}");
+    assert_eq!(settled.limit, None);
+    // What it turns slower is left to the motor. A supply that is told counts; one that cannot be does not.
+    for (supply_v, of_v) in [(Some(8.0), 8.0), (Some(0.1), 5.0), (None, 10.0)] {
+        let slow = drive.command(&target, &turning(-1.8, supply_v));
+        assert!((part(slow.command) + 0.4 / of_v).abs() < 2e-5, "{slow:?}");
+    }
+
+    let strong = ShaftTarget { feedforward_nm: -5.0, ..ShaftTarget::default() };
+    // 1 A through 4 ohm; and no more than that where it is turned the other way.
+    let held = drive.command(&strong, &at(0.0, 30.0));
+    assert!((part(held.command) - 0.4).abs() < 1e-5 && held.limit == Some(Limit::Current));
+    let braking = drive.command(&strong, &turning(-2.0, None));
+    assert!((part(braking.command) - 0.3).abs() < 1e-5, "{braking:?}");
+    assert_eq!(braking.limit, Some(Limit::Current));
+    // 4 V of its torque, and 5 of its speed; at 5 V all is not enough.
+    let fast = ShaftTarget { velocity_rad_s: -100.0, ..strong };
+    let most = drive.command(&fast, &turning(20.0, None));
+    assert!((part(most.command) - 0.9).abs() < 1e-5, "{most:?}");
+    assert_eq!(most.limit, Some(Limit::Voltage));
+
+    let outside = drive.command(&strong, &at(2.1, 30.0));
+    assert!(part(outside.command).abs() <= 0.0 && outside.limit == Some(Limit::Range));
+    assert!(part(drive.command(&strong, &at(-2.1, 30.0)).command) > 0.3, "inwards it may");
+    let warm = drive.command(&strong, &at(0.0, 57.5));
+    assert!(part(warm.command) > 0.3 && warm.limit == Some(Limit::Heat));
 }
 
 #[test]
@@ -137,6 +193,27 @@ fn what_a_class_cannot_do_is_refused_with_what_would_be_right() {
             .contains("dt_s is NaN")
     );
 
+    let voltage = |settings: VoltageSettings, timing| {
+        VoltageDrive::new(&servo(|_| {}), &settings, timing).map(|_| ()).map_err(message)
+    };
+    assert_eq!(
+        voltage(VOLTAGE, slow).unwrap_err(),
+        "a voltage drive needs at least 200 Hz, and readings that are no later than it allows"
+    );
+    assert_eq!(
+        voltage(VoltageSettings { resistance_ohm: 0.0, ..VOLTAGE }, TIMING).unwrap_err(),
+        "resistance_ohm is 0; it must be a number from 0.001 to 1000"
+    );
+    let no_number = VoltageSettings { back_emf_v_s: f32::NAN, ..VOLTAGE };
+    assert!(voltage(no_number, TIMING).unwrap_err().contains("back_emf_v_s is NaN"));
+    let no_supply = VoltageSettings { supply_v: 0.0, ..VOLTAGE };
+    assert!(voltage(no_supply, TIMING).unwrap_err().contains("supply_v is 0"));
+    let unknown = servo(|s| s.torque_constant_nm_a = 1e-3);
+    assert_eq!(
+        VoltageDrive::new(&unknown, &VOLTAGE, TIMING).unwrap_err(),
+        Refused::NoTorqueConstant
+    );
+
     let position =
         |servo: &Servo, timing| PositionDrive::new(servo, &PositionSettings::default(), timing);
     assert_eq!(
@@ -172,9 +249,10 @@ fn a_mode_has_its_class() {
         of("XL330-M288", dynamixel::Mode::CurrentPosition),
         Err(ClassError::CurrentPosition)
     );
-    assert_eq!(of("XL330-M288", dynamixel::Mode::Pwm), Err(ClassError::Pwm));
+    assert_eq!(of("XL330-M288", dynamixel::Mode::Pwm), Ok(Class::Voltage));
+    assert_eq!(of("XL430-W250", dynamixel::Mode::Pwm), Ok(Class::Voltage));
     assert_eq!(Class::of_feetech(feetech::Mode::Position), Ok(Class::Position));
-    assert_eq!(Class::of_feetech(feetech::Mode::Pwm), Err(ClassError::Pwm));
+    assert_eq!(Class::of_feetech(feetech::Mode::Pwm), Err(ClassError::FeetechPwm));
 }
 
 type Rig = BoardRig<2, 1, 2>;
@@ -220,10 +298,17 @@ fn a_rig_is_refused_by_servo_and_by_drive() {
     };
     assert_eq!(refused(&two, &[position]), SetupError::Count { expected: 2, found: 1 });
     assert_eq!(refused(&two, &[position, target]), SetupError::Mixed { drive: 0 });
+    let voltage = DriveSettings::Voltage(VOLTAGE);
+    let mixed = [DriveSettings::Current(CURRENT), voltage];
+    assert_eq!(refused(&two, &mixed), SetupError::Mixed { drive: 0 });
     let pulses = rig(&format!("{PAIR}bus = \"pwm\"\nchannel = 2"));
     assert_eq!(
         refused(&pulses, &[position, position]).to_string(),
         "servo 1: a position drive needs a servo on a bus; this one takes pulses"
+    );
+    assert_eq!(
+        refused(&pulses, &[voltage, voltage]).to_string(),
+        "servo 1: a voltage drive needs a servo on a bus; this one takes pulses"
     );
 }
 

@@ -5,7 +5,7 @@ use sinew_core::coordinates::DofCommand;
 use sinew_core::tracker::Timing;
 use sinew_firmware::drives::{
     Condition, CurrentSettings, CutOff, DriveSettings, Drives, Encoder, Limit, Measured,
-    PositionSettings, ServoCommand, ServoDrive, TargetSettings,
+    PositionSettings, ServoCommand, ServoDrive, TargetSettings, VoltageSettings,
 };
 use sinew_servo_bus::{Command, Effort};
 
@@ -14,20 +14,35 @@ use crate::common::{Kind, Rig, kinds, read, rig};
 const TIMING: Timing = Timing { dt_s: 0.005, latency_ticks: 1 };
 const CURRENT_A: f32 = 0.7;
 const OFFSET_RAD: f32 = 0.2;
+const VOLTS: (f32, f32, f32) = (3.4, 0.4, 5.0);
+
+const CURRENT: CurrentSettings = CurrentSettings {
+    encoder: Encoder { zero_rad: std::f32::consts::PI, turn_rad: std::f32::consts::TAU },
+    blind_rad: 10.0,
+    current_a: CURRENT_A,
+    cut_off: CutOff { stale_s: 0.1, warm_c: 55.0, hot_c: 65.0 },
+};
+/// Numbers of classes that take an effort.
+const OF_EFFORT: [u8; 3] = [0, 1, 3];
 
 fn settings(class: u8) -> DriveSettings {
     match class {
-        0 => DriveSettings::Current(CurrentSettings {
-            encoder: Encoder::default(),
-            blind_rad: 10.0,
-            current_a: CURRENT_A,
-            cut_off: CutOff::default(),
-        }),
+        0 => DriveSettings::Current(CURRENT),
         1 => DriveSettings::Position(PositionSettings {
             offset_rad: OFFSET_RAD,
             ..PositionSettings::default()
         }),
-        _ => DriveSettings::Target(TargetSettings { encoder: Some(Encoder::default()) }),
+        2 => DriveSettings::Target(TargetSettings { encoder: Some(Encoder::default()) }),
+        _ => {
+            let (resistance_ohm, back_emf_v_s, supply_v) = VOLTS;
+            let current = CURRENT;
+            DriveSettings::Voltage(VoltageSettings {
+                current,
+                resistance_ohm,
+                back_emf_v_s,
+                supply_v,
+            })
+        }
     }
 }
 
@@ -63,6 +78,12 @@ fn is_within(rig: &Rig, servo: usize, command: Command) -> Result<(), TestCaseEr
         Command::Current(a) => {
             let most = CURRENT_A.min(own.torque_nm / own.torque_constant_nm_a);
             prop_assert!(a.abs() <= most * (1.0 + 1e-6), "{a} A");
+        }
+        Command::Pwm(part) => {
+            let (ohm, v_s, supply_v) = VOLTS;
+            let most_a = CURRENT_A.min(own.torque_nm / own.torque_constant_nm_a);
+            let most = ((ohm * most_a + v_s * own.speed_rad_s) / supply_v).min(1.0);
+            prop_assert!(part.abs() <= most * (1.0 + 1e-6), "{part} of the supply");
         }
         Command::Position(rad) => prop_assert!(in_range(rad), "{rad} rad"),
         Command::PositionAt { position_rad, speed_rad_s } => {
@@ -104,7 +125,7 @@ proptest! {
     fn no_finite_input_drives_a_servo_beyond_its_limits(
         kinds in kinds(),
         ticks in prop::collection::vec((prop::collection::vec(number(), 12), prop::collection::vec(number(), 9)), 1..8),
-        class in 0_u8..3,
+        class in 0_u8..4,
         start in prop::collection::vec(-2.0_f32..2.0, 6),
     ) {
         let rig = rig(&kinds);
@@ -117,6 +138,7 @@ proptest! {
                     let of = |index: usize| readings[(3 * servo + index) % readings.len()];
                     let mut condition = read(of(0), of(1), 0.1 * of(2));
                     condition.temperature_c = Some(of(2) * 1e-4 + 40.0);
+                    condition.supply_v = Some(of(1));
                     condition
                 })
                 .collect();
@@ -137,9 +159,9 @@ proptest! {
         kinds in kinds(),
         numbers in prop::collection::vec(-1.0_f32..1.0, 12),
         bad in prop::sample::select(vec![f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1.1e6]),
-        place in 0_usize..8,
+        place in 0_usize..9,
         index in 0_usize..24,
-        class in 0_u8..3,
+        class in 0_u8..4,
     ) {
         let rig = rig(&kinds);
         let mut drives = drives(&rig, class);
@@ -158,6 +180,7 @@ proptest! {
             4 => read.position_rad = bad,
             5 => read.velocity_rad_s = bad,
             6 => read.effort = Effort::Current(bad),
+            7 => broken[servo].supply_v = Some(bad),
             _ => broken[servo].temperature_c = Some(bad),
         }
         let mut other = drives.clone();
@@ -275,7 +298,7 @@ proptest! {
         }
         let reason = if is_hot { Limit::Heat } else { Limit::Stale };
         let mut out = vec![None; rig.servos().len()];
-        for class in 0..2 {
+        for class in OF_EFFORT {
             let mut drives = drives(&rig, class);
             drives.begin(&conditions);
             for _ in 0..100 {
@@ -297,7 +320,7 @@ proptest! {
             for (out, target) in out.iter().zip(&targets) {
                 let out: ServoCommand = out.unwrap();
                 match (out.command, target.unwrap().command) {
-                    (Command::Current(a), _) => prop_assert!(a.abs() <= 0.0, "{a} A"),
+                    (Command::Current(a) | Command::Pwm(a), _) => prop_assert!(a.abs() <= 0.0, "{a}"),
                     (Command::PositionAt { position_rad: found, .. }, Command::PositionAt { position_rad, .. }) => {
                         prop_assert!((found - position_rad).abs() < 1e-6, "{found} rad for {position_rad}");
                     }

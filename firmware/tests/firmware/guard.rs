@@ -5,7 +5,7 @@ use sinew_core::coordinates::DofCommand;
 use sinew_core::tracker::Timing;
 use sinew_firmware::drives::{
     Condition, CurrentSettings, CutOff, DriveSettings, Drives, Encoder, PositionSettings,
-    TargetSettings,
+    TargetSettings, VoltageSettings,
 };
 use sinew_firmware::supervisor::{Guard, GuardReason, GuardSettings, Permission, Source};
 use sinew_servo_bus::{Command, Effort, Feedback};
@@ -24,15 +24,22 @@ const FREE: Permission = Permission {
 };
 
 fn drive(class: u8) -> DriveSettings {
+    let current = CurrentSettings {
+        encoder: Encoder::default(),
+        blind_rad: 10.0,
+        current_a: 0.7,
+        cut_off: CutOff::default(),
+    };
     match class {
-        0 => DriveSettings::Current(CurrentSettings {
-            encoder: Encoder::default(),
-            blind_rad: 10.0,
-            current_a: 0.7,
-            cut_off: CutOff::default(),
-        }),
+        0 => DriveSettings::Current(current),
         1 => DriveSettings::Position(PositionSettings::default()),
-        _ => DriveSettings::Target(TargetSettings { encoder: Some(Encoder::default()) }),
+        2 => DriveSettings::Target(TargetSettings { encoder: Some(Encoder::default()) }),
+        _ => DriveSettings::Voltage(VoltageSettings {
+            current,
+            resistance_ohm: 3.4,
+            back_emf_v_s: 0.4,
+            supply_v: 5.0,
+        }),
     }
 }
 
@@ -45,7 +52,7 @@ fn settings() -> GuardSettings {
         acceleration_rad_s2: 50.0,
         offset_rad_s: 0.0,
         lead_rad: 0.5,
-        current_a: 0.8,
+        effort: 0.8,
         stale_s: 0.1,
         tells: true,
     }
@@ -91,13 +98,9 @@ fn it_says_what_it_changed() {
     assert_eq!((unread.command, unread.reason), (None, Some(GuardReason::Stale)));
     let far = guard.check(Command::Position(4.0), Some(at(0.0)), &FREE);
     assert!(own(far.command) < 0.01, "{far:?}");
-    let refused = [
-        (Command::Position(f32::NAN), GuardReason::NotFinite),
-        (Command::Pwm(0.1), GuardReason::Kind),
-    ];
-    for (command, reason) in refused {
+    for command in [Command::Position(f32::NAN), Command::Pwm(f32::INFINITY)] {
         let guarded = guard.check(command, Some(at(0.0)), &FREE);
-        assert_eq!((guarded.command, guarded.reason), (None, Some(reason)));
+        assert_eq!((guarded.command, guarded.reason), (None, Some(GuardReason::NotFinite)));
     }
     let limp = Permission { torque: false, ..FREE };
     for command in [Command::Torque(true), Command::Position(3.0), Command::Current(0.0)] {
@@ -119,13 +122,21 @@ fn a_servo_that_is_held_back_is_not_left_behind() {
 }
 
 #[test]
-fn a_current_is_held() {
+fn a_current_and_a_voltage_are_held() {
     let mut guard = guard();
-    let mut given = |current_a: f32, own_rad: f32, velocity_rad_s: f32, age_ticks: u32| {
+    // What holds of one holds of the other, but for the reason.
+    let mut given = |wanted: f32, own_rad: f32, velocity_rad_s: f32, age_ticks: u32| {
         let read = Feedback { velocity_rad_s, age_ticks, ..at(own_rad) };
-        let guarded = guard.check(Command::Current(current_a), Some(read), &FREE);
-        let Some(Command::Current(a)) = guarded.command else { panic!("{guarded:?}") };
-        (a, guarded.reason)
+        let by_current = guard.check(Command::Current(wanted), Some(read), &FREE);
+        let by_voltage = guard.check(Command::Pwm(wanted), Some(read), &FREE);
+        let Some(Command::Current(a)) = by_current.command else { panic!("{by_current:?}") };
+        assert_eq!(by_voltage.command, Some(Command::Pwm(a)));
+        let reason = match by_current.reason {
+            Some(GuardReason::Current) => Some(GuardReason::Voltage),
+            reason => reason,
+        };
+        assert_eq!(by_voltage.reason, reason);
+        (a, by_current.reason)
     };
     assert_eq!(given(0.5, 0.0, 0.0, 0), (0.5, None));
     assert!((given(-2.0, 0.0, 0.0, 0).0 + 0.8).abs() < 1e-5);
@@ -196,7 +207,7 @@ proptest! {
                     prop_assert!(way.abs() <= along + 50.0 * DT_S * DT_S + 2.3e-5, "{way} {moved}");
                     (is, moved) = (goal, way);
                 }
-                Some(Command::Current(a)) => prop_assert!(a.abs() <= 0.800_01),
+                Some(Command::Current(a) | Command::Pwm(a)) => prop_assert!(a.abs() <= 0.800_01),
                 Some(Command::Torque(on)) => {
                     if !on {
                         moved = 0.0;
@@ -218,7 +229,7 @@ proptest! {
     #[test]
     fn drives_keep_to_it(
         kinds in kinds(),
-        class in 0_u8..3,
+        class in 0_u8..4,
         numbers in prop::collection::vec(prop_oneof![-1e6_f32..1e6, -4.0_f32..4.0], 4..400),
     ) {
         let rig: Rig = rig(&kinds);

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use sinew_firmware::controller::ServoSetup;
 use sinew_firmware::drives::{
     CurrentSettings, CutOff, DriveSettings, Encoder, PositionSettings, TargetSettings,
+    VoltageSettings,
 };
 use sinew_firmware::supervisor::detect::{HeatSettings, SupplySettings, WindingSettings};
 use sinew_servo_bus::pca9685::ChannelSetup;
@@ -123,6 +124,7 @@ enum DriveOf {
     Current(#[serde(with = "CurrentOf")] CurrentSettings),
     Position(#[serde(with = "PositionOf")] PositionSettings),
     Target(#[serde(with = "TargetOf")] TargetSettings),
+    Voltage(#[serde(with = "VoltageOf")] VoltageSettings),
 }
 
 #[derive(Serialize, Deserialize)]
@@ -134,6 +136,16 @@ struct CurrentOf {
     current_a: f32,
     #[serde(with = "CutOffOf")]
     cut_off: CutOff,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "VoltageSettings")]
+struct VoltageOf {
+    #[serde(with = "CurrentOf")]
+    current: CurrentSettings,
+    resistance_ohm: f32,
+    back_emf_v_s: f32,
+    supply_v: f32,
 }
 
 #[derive(Serialize, Deserialize)]

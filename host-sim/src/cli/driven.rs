@@ -7,6 +7,8 @@ use sinew_performance::play::{Drive, Options};
 enum DriveArg {
     /// The current that gives the tracker's torque.
     Current,
+    /// The part of the supply that drives this current, in PWM mode: the winding damps. Dynamixels only.
+    Voltage,
     /// The target position, corrected in advance by how far gravity makes the servo sag.
     Position,
 }
@@ -42,6 +44,7 @@ impl DrivenArgs {
     pub(super) fn here(self) -> Options {
         let drive = self.drive.map(|drive| match drive {
             DriveArg::Current => Drive::Current,
+            DriveArg::Voltage => Drive::Voltage,
             DriveArg::Position => Drive::Position,
         });
         Options { drive, rate_hz: self.rate_hz, baud: self.baud, ..Options::default() }

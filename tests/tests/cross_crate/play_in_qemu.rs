@@ -118,7 +118,7 @@ fn an_arm_says_in_qemu_what_it_says_in_process() {
          points_deg = [[-180, -60], [180, 60]]\n"
     ));
     let mapping = mapping.unwrap();
-    for drive in [Drive::Current, Drive::Position] {
+    for drive in [Drive::Current, Drive::Voltage, Drive::Position] {
         let clip = Path::new("punches_01");
         let case = Case::new(rig.clone(), drive, clip, Some(&mapping), Some(2.0));
         let (_, [ticks, packets]) = case.is_same_in_qemu();

@@ -17,7 +17,7 @@ pub enum Limit {
     Current,
     /// The largest offset of a position servo, or its fastest change.
     Offset,
-    /// All together wanted more than the supply gives.
+    /// More than the supply gives was wanted: of all together, or of its voltage.
     Supply,
     /// It is hot.
     Heat,

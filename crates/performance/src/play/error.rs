@@ -9,6 +9,7 @@ use sinew_show::ShowError;
 use thiserror::Error;
 
 use super::schedule::RateError;
+use super::servo_part::Drive;
 
 /// An error of a rig whose controller and lines cannot be made.
 #[derive(Debug, Error)]
@@ -67,11 +68,14 @@ pub enum PartsError {
         /// One that does not.
         other: String,
     },
-    /// A kind of servo has no current mode.
+    /// A kind of servo cannot be driven so.
     #[error(
-        "--drive current: servo `{servo}` is a {model}, which has no current mode; choose position"
+        "--drive {0}: servo `{servo}` is a {model}, which has no {0} mode; choose position",
+        drive.name()
     )]
-    NoCurrent {
+    NotSo {
+        /// What was asked for.
+        drive: Drive,
         /// The servo.
         servo: String,
         /// Its kind.

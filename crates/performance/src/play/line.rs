@@ -71,15 +71,16 @@ impl Line {
         };
         let count = |number: usize| u32::try_from(number).unwrap_or(u32::MAX);
         let driven = |drive| self.servos.iter().filter(|s| servos[**s].drive == drive).count();
-        let [currents, positions] = [Drive::Current, Drive::Position].map(driven).map(count);
-        let all = currents + positions;
+        let [currents, voltages, positions] =
+            [Drive::Current, Drive::Voltage, Drive::Position].map(driven).map(count);
+        let all = currents + voltages + positions;
         let (traffic, switch_bytes) = match table {
             RegisterTable::Dynamixel(_) => {
                 let mut traffic = dynamixel::traffic(all, 2, true);
-                // A packet of currents, and one of positions with their speeds.
+                // A packet of currents, one of voltages, and one of positions with their speeds.
                 let of =
                     |servos: u32, len: u32| if servos == 0 { 0 } else { 14 + servos * (1 + len) };
-                traffic.write.fixed = of(currents, 2) + of(positions, 8);
+                traffic.write.fixed = of(currents, 2) + of(voltages, 2) + of(positions, 8);
                 traffic.write.each = 0;
                 (traffic, 14 + 2 * all)
             }
@@ -88,7 +89,7 @@ impl Line {
             }
         };
         let timing = Timing { baud: self.baud, return_delay_us: 2, turnaround_us: 5 };
-        Load { timing, traffic, switch_bytes, closes_loop: currents > 0 }
+        Load { timing, traffic, switch_bytes, closes_loop: currents + voltages > 0 }
     }
 }
 

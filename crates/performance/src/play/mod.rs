@@ -41,7 +41,7 @@ pub use record::{Recorder, SCHEMA};
 pub use recording::{JointRows, Part, Recording, RecordingError, ServoRows};
 pub use rig_parts::RigParts;
 pub use schedule::RateError;
-pub(crate) use servo_part::takes_current;
+pub(crate) use servo_part::closes_loop;
 pub use servo_part::{Drive, ServoPart};
 pub use servos::{PutError, ServoChoice, put_servos};
 pub use simulated_lines::Memory;

@@ -113,7 +113,7 @@ impl RigParts {
         let least = setups
             .iter()
             .zip(&parts)
-            .filter(|(setup, part)| part.drive == Drive::Current && setup.bandwidth_rad_s > 0.0)
+            .filter(|(setup, part)| part.drive.closes_loop() && setup.bandwidth_rad_s > 0.0)
             .map(|(setup, _)| setup.bandwidth_rad_s)
             .reduce(f32::min);
         let observer = &mut settings.tracker.observer;

@@ -4,7 +4,7 @@ use sinew_core::tracker::MAX_DELAY_S;
 use sinew_servo_bus::{Schedule, Timing, Traffic};
 use thiserror::Error;
 
-/// Rates that are tried in turn where servos take currents, Hz.
+/// Rates that are tried in turn where servos take currents or voltages, Hz.
 const OF_CURRENT: [u32; 5] = [500, 400, 333, 250, 200];
 /// The same where all have positions: servos follow at 2 to 4 Hz by themselves.
 const OF_POSITION: [u32; 4] = [100, 80, 60, 50];
@@ -16,7 +16,7 @@ pub(super) struct Load {
     pub(super) traffic: Traffic,
     /// Packets that switch torque, bytes.
     pub(super) switch_bytes: u32,
-    /// Some of its servos take currents: their readings close the loop.
+    /// Some of its servos take currents or voltages: their readings close the loop.
     pub(super) closes_loop: bool,
 }
 

@@ -3,6 +3,7 @@
 use sinew_firmware::controller::ServoSetup;
 use sinew_firmware::drives::{
     CurrentSettings, CutOff, DriveSettings, Encoder, PositionSettings, TargetSettings,
+    VoltageSettings,
 };
 use sinew_firmware::supervisor::detect::{HeatSettings, SupplySettings, WindingSettings};
 use sinew_rig::Description;
@@ -27,6 +28,8 @@ const HOT_ROOM_C: f32 = 4.0;
 pub enum Drive {
     /// By current: the loop is the tracker's.
     Current,
+    /// By voltage: the loop is the tracker's, and the winding damps.
+    Voltage,
     /// By position: the loop is the servo's own.
     Position,
     /// By the length of pulses: the loop is the servo's own, and it tells nothing.
@@ -38,9 +41,15 @@ impl Drive {
     pub fn name(self) -> &'static str {
         match self {
             Self::Current => "current",
+            Self::Voltage => "voltage",
             Self::Position => "position",
             Self::Pulses => "pulses",
         }
+    }
+
+    /// Whether the tracker closes the loop.
+    pub fn closes_loop(self) -> bool {
+        matches!(self, Self::Current | Self::Voltage)
     }
 }
 
@@ -59,6 +68,7 @@ pub struct ServoPart {
 pub(super) fn mode(drive: Drive) -> dynamixel::Mode {
     match drive {
         Drive::Current => dynamixel::Mode::Current,
+        Drive::Voltage => dynamixel::Mode::Pwm,
         Drive::Position | Drive::Pulses => dynamixel::Mode::Position,
     }
 }
@@ -90,31 +100,44 @@ pub(super) fn encoder(part: &ServoPart) -> Encoder {
     Encoder { zero_rad: 0.5 * turn_rad, turn_rad }
 }
 
-/// Whether servos of a kind can be driven by current.
-pub(crate) fn takes_current(model: &str) -> bool {
-    matches!(
-        RegisterTable::of(model),
-        Some(RegisterTable::Dynamixel(table)) if table.model.current.is_some()
-    )
+/// Whether servos of a kind can be driven so.
+fn takes(drive: Drive, model: &str) -> bool {
+    match (drive, RegisterTable::of(model)) {
+        (Drive::Current, Some(RegisterTable::Dynamixel(table))) => table.model.current.is_some(),
+        (Drive::Voltage, table) => matches!(table, Some(RegisterTable::Dynamixel(_))),
+        (Drive::Position, table) => table.is_some(),
+        (Drive::Pulses, table) => table.is_none(),
+        (Drive::Current, _) => false,
+    }
 }
 
-/// How each servo is driven: by current if it can, unless one that shares its drive cannot; by pulses if it takes them.
+/// How servos of a kind are driven unless told otherwise: see `docs/drives.md`.
+fn usual(model: &str) -> Drive {
+    let known = [Drive::Current, Drive::Position];
+    known.into_iter().find(|drive| takes(*drive, model)).unwrap_or(Drive::Pulses)
+}
+
+/// Whether the tracker closes the loop of servos of a kind, unless told otherwise.
+pub(crate) fn closes_loop(model: &str) -> bool {
+    usual(model).closes_loop()
+}
+
+/// How each servo is driven: as asked, or as is usual of its kind; servos that share a drive in one way that all can.
 pub(super) fn drives(
     board: &CompactRig,
     servos: &[RigServo],
     asked: Option<Drive>,
 ) -> Result<Vec<Drive>, PartsError> {
-    let can = |servo: &RigServo| takes_current(&servo.kind.name);
-    if asked == Some(Drive::Current)
-        && let Some(servo) = servos.iter().find(|servo| table(servo).is_some() && !can(servo))
+    let can = |servo: &RigServo, drive| takes(drive, &servo.kind.name);
+    if let Some(drive) = asked.filter(|drive| drive.closes_loop())
+        && let Some(servo) =
+            servos.iter().find(|servo| table(servo).is_some() && !can(servo, drive))
     {
         let (servo, model) = (servo.name.clone(), servo.kind.name.clone());
-        return Err(PartsError::NoCurrent { servo, model });
+        return Err(PartsError::NotSo { drive, servo, model });
     }
-    let of = |servo: &RigServo| match table(servo) {
-        None => Drive::Pulses,
-        Some(_) if can(servo) => asked.unwrap_or(Drive::Current),
-        Some(_) => Drive::Position,
+    let of = |servo: &RigServo| {
+        asked.filter(|drive| can(servo, *drive)).unwrap_or_else(|| usual(&servo.kind.name))
     };
     let mut drives: Vec<Drive> = servos.iter().map(of).collect();
     for shared in board.drives() {
@@ -159,13 +182,21 @@ pub(super) fn setup(
         }
         _ => [FEETECH_V.0, FEETECH_V.1 * voltage_v],
     };
+    let current = CurrentSettings {
+        encoder,
+        blind_rad: single(gear.blind_rad),
+        current_a: current_a(stall_a),
+        cut_off,
+    };
     ServoSetup {
         drive: match part.drive {
-            Drive::Current => {
-                let current_a = current_a(stall_a);
-                let blind_rad = single(gear.blind_rad);
-                DriveSettings::Current(CurrentSettings { encoder, blind_rad, current_a, cut_off })
-            }
+            Drive::Current => DriveSettings::Current(current),
+            Drive::Voltage => DriveSettings::Voltage(VoltageSettings {
+                current,
+                resistance_ohm: voltage_v / stall_a,
+                back_emf_v_s: single(kind.voltage_v / no_load_rad_s(&part.own)),
+                supply_v: rig.supply.map_or(voltage_v, |supply| single(supply.voltage_v)),
+            }),
             Drive::Position => DriveSettings::Position(PositionSettings {
                 encoder,
                 gain_ratio: gain.map_or(1.0, |gain| gain.ratio()),

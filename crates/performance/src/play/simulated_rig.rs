@@ -266,6 +266,12 @@ impl SimulatedRig<'_, RigPlant> {
         self.lines[0].servos.bench().servos()[place].heat().case_c
     }
 
+    /// The power that is lost in a servo's winding, W: no servo tells it.
+    pub fn winding_w(&self, servo: usize) -> f64 {
+        let place = self.parts.place_on_bench(servo);
+        self.lines[0].servos.bench().servos()[place].lost_w()[0]
+    }
+
     /// Returns each dof's true position less its commanded one, rad or m: no servo measures it.
     pub fn simulated_errors(&self) -> Vec<f32> {
         let q: Vec<f32> = self.q().into_iter().map(single).collect();

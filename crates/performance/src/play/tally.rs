@@ -175,9 +175,11 @@ impl Tally {
     fn by_drive(&self, parts: &RigParts) -> String {
         let header = ["drive", "method", "joints", "mean", "largest", "of joint", "at s"];
         let mut table = table(header, 2..header.len());
-        let all = [Some(Drive::Current), Some(Drive::Position), Some(Drive::Pulses), None];
-        let found = all.map(|drive| (drive, self.errors(parts, drive)));
-        let is_mixed = found[..3].iter().filter(|(_, errors)| errors.is_some()).count() > 1;
+        let known = [Drive::Current, Drive::Voltage, Drive::Position, Drive::Pulses];
+        let all = known.iter().copied().map(Some).chain([None]);
+        let found: Vec<_> = all.map(|drive| (drive, self.errors(parts, drive))).collect();
+        let is_mixed =
+            found[..known.len()].iter().filter(|(_, errors)| errors.is_some()).count() > 1;
         for (drive, errors) in found {
             let Some(errors) = errors else { continue };
             if drive.is_none() && !is_mixed {

@@ -168,6 +168,28 @@ fn a_servo_is_refused_where_its_kind_cannot_be() {
     assert!(facing.contains("`neck_turn` and `other` share a drive"), "{facing}");
 }
 
+#[test]
+fn a_class_that_a_kind_does_not_have_is_refused() {
+    let refused = |model: &str, drive: Drive| {
+        let mut rig = arm(2).unwrap();
+        rig.servos.iter_mut().for_each(|servo| model.clone_into(&mut servo.model));
+        let options = Options { drive: Some(drive), ..Options::default() };
+        let parts = RigParts::new(&rig, &rig.mechanism().unwrap(), options);
+        parts.map(|parts| parts.drives).map_err(|error| error.to_string())
+    };
+    assert_eq!(
+        refused("STS3215-7.4V", Drive::Voltage).unwrap_err(),
+        "--drive voltage: servo `turn1` is a STS3215-7.4V, which has no voltage mode; choose position"
+    );
+    assert_eq!(
+        refused("XL430-W250-T", Drive::Current).unwrap_err(),
+        "--drive current: servo `turn1` is a XL430-W250-T, which has no current mode; choose position"
+    );
+    for model in ["XL330-M288-T", "XL430-W250-T", "MX-28"] {
+        assert_eq!(refused(model, Drive::Voltage).unwrap(), [Some(Drive::Voltage); 2]);
+    }
+}
+
 /// 1 ms a quarter turn, about 1.5 ms: of the joint's range, not of all that the servo can.
 #[test]
 fn pulses_are_told_as_far_as_joints_go() {

@@ -5,7 +5,7 @@ use sinew_retarget::rig::{RigMatch, mirror_faults};
 use sinew_rig::review::{Finding, Loop, Review, Servos, Severity};
 
 use super::LoadedRig;
-use crate::play::takes_current;
+use crate::play::closes_loop;
 
 /// Reviews a rig, and compares its left side with its right one, if it has limbs.
 ///
@@ -13,13 +13,13 @@ use crate::play::takes_current;
 /// If a servo or a drive cannot be, or the rig does not fit `sinew-core`.
 pub fn review(rig: &LoadedRig, control: Loop) -> anyhow::Result<Review> {
     let name = || rig.description.name.clone();
-    let is_by_current = |name: &str| {
+    let is_corrected = |name: &str| {
         let named = rig.description.servos.iter().find(|servo| servo.name == name);
-        named.is_some_and(|servo| takes_current(&servo.model))
+        named.is_some_and(|servo| closes_loop(&servo.model))
     };
     let servos = Servos::of(&rig.description, &rig.mechanism)
         .with_context(name)?
-        .with_loops_of(is_by_current);
+        .with_loops_of(is_corrected);
     let mut review = Review::of(&rig.mechanism, &servos, control).with_context(name)?;
     let faults = RigMatch::of(&rig.mechanism)
         .map(|sides| mirror_faults(&rig.mechanism, &sides))

@@ -77,7 +77,7 @@ pub fn check_servos(parts: &RigParts, mode: Mode) -> Result<(), TeachSessionErro
     if let Some(name) = name(|drive| drive == Drive::Pulses) {
         return Err(TeachSessionError::TellsNothing(name));
     }
-    match name(|drive| drive != Drive::Current) {
+    match name(|drive| !drive.closes_loop()) {
         Some(name) if mode == Mode::Float => Err(TeachSessionError::NoEffort(name)),
         _ => Ok(()),
     }

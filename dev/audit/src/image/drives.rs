@@ -5,6 +5,7 @@ use core::hint::black_box;
 use sinew_core::tracker::Timing;
 use sinew_firmware::drives::{
     Class, Condition, CurrentDrive, DriveSettings, Drives, PositionDrive, ServoDrive, TargetDrive,
+    VoltageDrive,
 };
 use sinew_rig::board::BoardRig;
 use sinew_servo_bus::{dynamixel, feetech, pca9685};
@@ -42,6 +43,10 @@ pub(crate) fn classes() {
         black_box(Condition::of(&bus, black_box(1)));
     }
     if let Some(mut drive) = black_box(None::<CurrentDrive>) {
+        drive.begin();
+        black_box(drive);
+    }
+    if let Some(mut drive) = black_box(None::<VoltageDrive>) {
         drive.begin();
         black_box(drive);
     }

@@ -69,7 +69,7 @@ impl Guard {
             return Guarded { command: None, reason: Some(GuardReason::NotAllowed) };
         }
         let is_finite = match command {
-            Command::Position(a) | Command::Current(a) => a.is_finite(),
+            Command::Position(a) | Command::Current(a) | Command::Pwm(a) => a.is_finite(),
             Command::PositionWithin { position_rad: a, current_a: b }
             | Command::PositionAt { position_rad: a, speed_rad_s: b } => (a + b).is_finite(),
             _ => true,
@@ -99,13 +99,17 @@ impl Guard {
             }
             Command::PositionWithin { position_rad, current_a } => {
                 let (position_rad, reason) = self.position(position_rad, feedback, permission);
-                let most = self.settings.current_a * permission.effort;
+                let most = self.settings.effort * permission.effort;
                 let (current_a, much) = within(current_a, [0.0, most], GuardReason::Current);
                 (Command::PositionWithin { position_rad, current_a }, reason.or(much))
             }
             Command::Current(a) => {
-                let (a, reason) = self.current(a, feedback, permission);
+                let (a, reason) = self.effort(a, feedback, permission, GuardReason::Current);
                 (Command::Current(a), reason)
+            }
+            Command::Pwm(part) => {
+                let (part, reason) = self.effort(part, feedback, permission, GuardReason::Voltage);
+                (Command::Pwm(part), reason)
             }
             _ => return Guarded { command: None, reason: Some(GuardReason::Kind) },
         };
@@ -172,29 +176,31 @@ impl Guard {
         (goal_rad, beyond.or(reason).filter(|_| is_held))
     }
 
-    fn current(
+    /// A current or a part of the supply, held to the most and to what the servo was read at.
+    fn effort(
         &self,
-        current_a: f32,
+        wanted: f32,
         feedback: Option<Feedback>,
         permission: &Permission,
+        much: GuardReason,
     ) -> (f32, Option<GuardReason>) {
         let GuardSettings { zero_rad, range_rad: [least, most], .. } = self.settings;
         let Some(read) = feedback.filter(|read| self.is_new(*read)) else {
-            let reason = (current_a.abs() > 0.0).then_some(GuardReason::Stale);
+            let reason = (wanted.abs() > 0.0).then_some(GuardReason::Stale);
             return (0.0, reason);
         };
         let own_rad = read.position_rad - zero_rad;
-        if own_rad > most && current_a > 0.0 || own_rad < least && current_a < 0.0 {
+        if own_rad > most && wanted > 0.0 || own_rad < least && wanted < 0.0 {
             return (0.0, Some(GuardReason::Range));
         }
         let (factor, noise_rad_s) = OVERSPEED;
         let fastest = factor * self.speed(permission) + noise_rad_s;
-        if read.velocity_rad_s.abs() > fastest && read.velocity_rad_s * current_a > 0.0 {
+        if read.velocity_rad_s.abs() > fastest && read.velocity_rad_s * wanted > 0.0 {
             return (0.0, Some(GuardReason::Speed));
         }
         // A millionth is rounding of the drive's own limit.
-        let most_a = self.settings.current_a * permission.effort * (1.0 + 1e-6);
-        within(current_a, [-most_a, most_a], GuardReason::Current)
+        let most = self.settings.effort * permission.effort * (1.0 + 1e-6);
+        within(wanted, [-most, most], much)
     }
 }
 

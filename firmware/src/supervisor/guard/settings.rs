@@ -30,9 +30,9 @@ pub struct GuardSettings {
     pub offset_rad_s: f32,
     /// How far a goal may be from where it was measured, rad.
     pub lead_rad: f32,
-    /// The most current either way, A.
-    pub current_a: f32,
-    /// A reading that is older is none: no current, and no first goal; s.
+    /// The most current either way, A; of a servo by voltage the most part of the supply.
+    pub effort: f32,
+    /// A reading that is older is none: no current, no voltage, and no first goal; s.
     pub stale_s: f32,
     /// Whether it tells where it is. A hobby servo does not: its first goal is taken as it is.
     pub tells: bool,
@@ -50,14 +50,14 @@ impl GuardSettings {
             acceleration_rad_s2: own.acceleration_rad_s2,
             offset_rad_s: 0.0,
             lead_rad: LEAD_RAD,
-            current_a: own.torque_nm / own.torque_constant_nm_a,
+            effort: own.torque_nm / own.torque_constant_nm_a,
             stale_s: FADE_S,
             tells: true,
         };
         match drive {
             DriveSettings::Current(drive) => Self {
                 zero_rad: drive.encoder.zero_rad,
-                current_a: all.current_a.min(drive.current_a),
+                effort: all.effort.min(drive.current_a),
                 stale_s: drive.cut_off.stale_s + FADE_S,
                 ..all
             },
@@ -70,6 +70,16 @@ impl GuardSettings {
             DriveSettings::Target(drive) => {
                 let zero_rad = drive.encoder.map_or(0.0, |encoder| encoder.zero_rad);
                 Self { zero_rad, tells: drive.encoder.is_some(), ..all }
+            }
+            DriveSettings::Voltage(drive) => {
+                let held_v = drive.resistance_ohm * all.effort.min(drive.current.current_a);
+                let turning_v = drive.back_emf_v_s * own.speed_rad_s;
+                Self {
+                    zero_rad: drive.current.encoder.zero_rad,
+                    effort: ((held_v + turning_v) / drive.supply_v).min(1.0),
+                    stale_s: drive.current.cut_off.stale_s + FADE_S,
+                    ..all
+                }
             }
         }
     }
@@ -86,7 +96,7 @@ impl GuardSettings {
             ("acceleration_rad_s2", self.acceleration_rad_s2, [0.0, f32::INFINITY]),
             ("offset_rad_s", self.offset_rad_s, [0.0, 100.0]),
             ("lead_rad", self.lead_rad, [1e-3, 1e3]),
-            ("current_a", self.current_a, [0.0, 1e3]),
+            ("effort", self.effort, [0.0, 1e3]),
             ("stale_s", self.stale_s, [1e-3, 10.0]),
         ] {
             SettingError::check(what, found, bounds)?;
@@ -116,7 +126,9 @@ pub enum GuardReason {
     Lead,
     /// Too much current.
     Current,
-    /// No reading that is new enough: no current, and no first goal.
+    /// Too large a part of the supply.
+    Voltage,
+    /// No reading that is new enough: no current, no voltage, and no first goal.
     Stale,
 }
 
@@ -131,6 +143,7 @@ impl fmt::Display for GuardReason {
             Self::Acceleration => "held to the largest acceleration",
             Self::Lead => "held near to where the servo was measured",
             Self::Current => "held to the largest current",
+            Self::Voltage => "held to the largest part of the supply",
             Self::Stale => "the servo was not read, or too long ago",
         })
     }

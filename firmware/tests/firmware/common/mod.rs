@@ -128,5 +128,5 @@ pub(crate) fn read(own_rad: f32, velocity_rad_s: f32, current_a: f32) -> Conditi
         effort: Effort::Current(current_a),
         age_ticks: 0,
     };
-    Condition { feedback: Some(feedback), temperature_c: Some(30.0) }
+    Condition { feedback: Some(feedback), temperature_c: Some(30.0), ..Condition::default() }
 }

@@ -38,8 +38,8 @@ proptest! {
         damages in 0_usize..6,
         live in prop::collection::vec(-4.0_f32..4.0, SERVOS),
         speed in -1e3_f32..1e3,
+        kind in prop::sample::select(vec![Kind::Current, Kind::Voltage]),
     ) {
-        let kind = Kind::Current;
         let mut test_rig = TestRig::new(kind, Start::default());
         test_rig.controller.load_show(Some(show(kind, 0))).unwrap();
         test_rig.live.0 = Some(live);
@@ -67,9 +67,10 @@ proptest! {
                     prop_assert!((least..=most).contains(q));
                     prop_assert!(qd.abs() <= dof.speed * 1.001);
                 }
-                // Goal current (102), mA: as the drives' setting has it.
+                // Goal current (102), mA: as the drives' setting has it. Goal PWM (100): all of it is allowed.
+                let (goal, most) = if kind == Kind::Current { (102, 1_200) } else { (100, 885) };
                 for servo in test_rig.bench.servos() {
-                    prop_assert!(!is_armed || servo.get(102).abs() <= 1_200);
+                    prop_assert!(!is_armed || servo.get(goal).abs() <= most);
                 }
                 prop_assert!(report.latched == FaultSet::EMPTY || report.state != State::Arming
                     || given != Some(Command::Arm));

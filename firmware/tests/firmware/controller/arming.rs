@@ -7,6 +7,7 @@ use super::test_rig::{Kind, TestRig};
 
 #[test]
 fn a_rig_that_moves_is_armed_when_it_rests() {
+    // Friction of an XL430 holds the arm.
     for kind in [Kind::Current, Kind::Position] {
         let mut test_rig = TestRig::new(kind, Start::default());
         // It was held at home until now, and falls; registers and the way to stop are looked at meanwhile.

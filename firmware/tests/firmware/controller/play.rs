@@ -118,7 +118,7 @@ pub(crate) fn perform(kind: Kind) -> Seen {
 #[test]
 fn a_desk_arm_plays_a_show() {
     // Mean: what the issue of the controller asks of a show that the rig can do. Largest: below the fault's 15 deg.
-    for (kind, bound_deg) in [(Kind::Current, 3.0), (Kind::Position, 5.0)] {
+    for (kind, bound_deg) in [(Kind::Current, 3.0), (Kind::Voltage, 3.0), (Kind::Position, 5.0)] {
         let Seen { hash, mean_deg, most_deg } = perform(kind);
         println!("{kind:?}: mean {mean_deg:.2} deg, largest {most_deg:.2} deg, hash {hash:016x}");
         assert!(mean_deg <= bound_deg && most_deg < 15.0);
@@ -127,7 +127,7 @@ fn a_desk_arm_plays_a_show() {
 
 #[test]
 fn the_same_bytes_twice() {
-    for kind in [Kind::Current, Kind::Position] {
+    for kind in [Kind::Current, Kind::Voltage, Kind::Position] {
         assert_eq!(perform(kind).hash, perform(kind).hash);
     }
 }

@@ -7,8 +7,8 @@ use sinew_servo_sim::fault::{Fault as Damage, FaultKind};
 use super::test_rig::{Kind, SERVOS, TestRig, settings_of, setup};
 
 const WHO: usize = 2;
-/// Both kinds of arm, with the address of their operating mode.
-const KINDS: [(Kind, u16); 2] = [(Kind::Current, 11), (Kind::Position, 33)];
+/// All kinds of arm, with the address of their operating mode.
+const KINDS: [(Kind, u16); 3] = [(Kind::Current, 11), (Kind::Voltage, 11), (Kind::Position, 33)];
 
 fn refused(test_rig: &mut TestRig) -> Option<Refused> {
     test_rig.ask_to_arm()
@@ -84,7 +84,7 @@ fn reads(test_rig: &TestRig) -> Vec<u16> {
     let mut addresses = Vec::new();
     for at in 0..test_rig.sent.len() {
         match (test_rig.kind, &test_rig.sent[at..]) {
-            (Kind::Current, &[0xFF, 0xFF, 0xFD, 0, _, 7, 0, 2, low, high, ..]) => {
+            (Kind::Current | Kind::Voltage, &[0xFF, 0xFF, 0xFD, 0, _, 7, 0, 2, low, high, ..]) => {
                 addresses.push(u16::from_le_bytes([low, high]));
             }
             (Kind::Position, &[0xFF, 0xFF, _, 4, 2, address, ..]) => addresses.push(address.into()),

@@ -11,7 +11,7 @@ use sinew_qemu_node::arm;
 pub(crate) use sinew_qemu_node::arm::{Kind, Parts, SERVOS, parts as setup};
 use sinew_rig::board::BoardRig;
 use sinew_rig::new;
-use sinew_servo_bus::dynamixel::table::{MODELS, Table};
+use sinew_servo_bus::dynamixel::table::{MODELS, Model, Table};
 use sinew_servo_bus::feetech::Family;
 use sinew_servo_bus::settings::{self, ServoRequirements, Setting};
 use sinew_servo_bus::{
@@ -35,13 +35,17 @@ pub(crate) struct Figure {
 }
 
 pub(crate) fn figure(kind: Kind) -> &'static Figure {
-    static FIGURES: [OnceLock<Figure>; 2] = [const { OnceLock::new() }; 2];
-    FIGURES[usize::from(kind == Kind::Position)].get_or_init(|| {
+    static FIGURES: [OnceLock<Figure>; 3] = [const { OnceLock::new() }; 3];
+    FIGURES[kind as usize].get_or_init(|| {
         let mut rig = new::arm(SERVOS).unwrap();
         for (servo, body) in rig.servos.iter_mut().zip(&mut rig.bodies[1..]) {
             kind.model().clone_into(&mut servo.model);
-            // The arm is drawn for XL330 of 18 g; an STS3215 weighs 55 g.
-            body.mass_kg += if kind == Kind::Position { 0.037 } else { 0.0 };
+            // The arm is drawn for XL330 of 18 g; an STS3215 weighs 55 g, an XL430 57 g.
+            body.mass_kg += match kind {
+                Kind::Current => 0.0,
+                Kind::Position => 0.037,
+                Kind::Voltage => 0.039,
+            };
         }
         let mechanism = rig.mechanism().unwrap();
         Figure {
@@ -316,7 +320,7 @@ impl TestRig {
 
     /// How many servos have torque on, as their registers say.
     pub(crate) fn servos_on(&self) -> usize {
-        let register = if self.kind == Kind::Current { 64 } else { 40 };
+        let register = if self.kind == Kind::Position { 40 } else { 64 };
         self.bench.servos().iter().filter(|servo| servo.get(register) == 1).count()
     }
 
@@ -336,7 +340,7 @@ pub(crate) fn is_off(kind: Kind, sent: &[u8]) -> bool {
     let ids = 1..=SERVOS as u8;
     let off: Vec<u8> = match kind {
         // Sync write to Torque Enable (64), one byte each.
-        Kind::Current => {
+        Kind::Current | Kind::Voltage => {
             [0x83, 64, 0, 1, 0].into_iter().chain(ids.flat_map(|id| [id, 0])).collect()
         }
         Kind::Position => [0x83, 40, 1].into_iter().chain(ids.flat_map(|id| [id, 0])).collect(),
@@ -379,8 +383,9 @@ pub(crate) fn settings_of(kind: Kind, parts: &Parts, servo: usize) -> Vec<Settin
     let board = &figure(kind).board.servos()[servo];
     let requirements = parts.servos[servo].requirements(&board.servo);
     match kind {
-        Kind::Current => {
-            let model = MODELS.iter().find(|model| model.name == "XL330-M288").unwrap();
+        Kind::Current | Kind::Voltage => {
+            let named = |model: &&Model| kind.model().starts_with(model.name);
+            let model = MODELS.iter().find(named).unwrap();
             settings::dynamixel(Table { model, firmware: 52 }, requirements).collect()
         }
         Kind::Position => settings::feetech(Family::Sts, requirements).collect(),

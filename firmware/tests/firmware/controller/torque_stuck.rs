@@ -7,7 +7,7 @@ use sinew_servo_sim::fault::{Fault as Damage, FaultKind};
 use super::test_rig::{Kind, SERVOS, TestRig};
 
 const WHO: usize = 2;
-const KINDS: [Kind; 2] = [Kind::Current, Kind::Position];
+const KINDS: [Kind; 3] = [Kind::Current, Kind::Voltage, Kind::Position];
 
 fn stick(test_rig: &mut TestRig) {
     let (at_s, for_s) = (test_rig.bench.time_s(), f64::INFINITY);

@@ -14,6 +14,8 @@ fn the_host_hears_which_register_keeps_a_rig_from_being_armed() {
         // Position mode in place of current mode; an answer after 500 us.
         (Kind::Current, 11, 3, 0),
         (Kind::Current, 9, 250, 1),
+        // Position mode in place of PWM mode.
+        (Kind::Voltage, 11, 3, 16),
         (Kind::Position, 33, 1, 0),
         (Kind::Position, 21, 16, 32),
     ] {

@@ -25,7 +25,7 @@ fn bounds(outcome: &Outcome, value: f32) -> (u16, [f32; 2]) {
 
 #[test]
 fn what_the_next_start_would_refuse_is_refused_at_once() {
-    for kind in [Kind::Current, Kind::Position] {
+    for kind in [Kind::Current, Kind::Voltage, Kind::Position] {
         let mut world = World::ready(kind, Trouble::default(), 31, &show(kind, 1, false));
         let starts = world.starts;
         for key in (1..).take(SETTING_NAMES.len()) {

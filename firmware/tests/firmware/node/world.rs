@@ -337,7 +337,7 @@ impl World {
     }
 
     pub(crate) fn servos_on(&self) -> usize {
-        let register = if self.kind == Kind::Current { 64 } else { 40 };
+        let register = if self.kind == Kind::Position { 40 } else { 64 };
         self.bench.servos().iter().filter(|servo| servo.get(register) == 1).count()
     }
 }

@@ -19,12 +19,17 @@ pub(super) fn tell(parts: &RigParts) {
             continue;
         }
         let (currents, positions) = (by(Drive::Current), by(Drive::Position));
+        let voltages = match by(Drive::Voltage) {
+            0 => String::new(),
+            voltages => format!("{voltages} by voltage, "),
+        };
         let each = match parts.groups(index) {
             1 => "all read in each tick".to_owned(),
             groups => format!("each read once in {groups} ticks"),
         };
         note(format_args!(
-            "bus {:?}: {count} servos at {} bit/s, {currents} by current, {positions} by position; {} Hz, {each}",
+            "bus {:?}: {count} servos at {} bit/s, {currents} by current, {voltages}{positions} by position; {} Hz, \
+             {each}",
             line.name, line.baud, parts.rate_hz
         ));
     }

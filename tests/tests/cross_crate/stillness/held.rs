@@ -1,6 +1,7 @@
 //! The starter arm, as it is and as it was, holds six poses.
 
 use rayon::prelude::*;
+use sinew_performance::play::Drive;
 use sinew_servo_sim::variation::Variation;
 
 use super::limits::{Limits, ON_ROTOR, SPLIT};
@@ -49,6 +50,11 @@ fn on_rotor() -> Vec<(String, Variation, Limits)> {
 #[test]
 fn the_starter_arm_stands_still() {
     holds(&Rig::new_arm(), &[split().to_vec(), on_rotor()].concat());
+}
+
+#[test]
+fn the_starter_arm_stands_still_by_voltage() {
+    holds(&Rig { drive: Some(Drive::Voltage), ..Rig::new_arm() }, &split());
 }
 
 #[test]

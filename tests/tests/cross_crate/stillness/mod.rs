@@ -1,5 +1,6 @@
 //! Rigs that stand still.
 
+mod classes;
 mod creep;
 mod follow;
 mod held;

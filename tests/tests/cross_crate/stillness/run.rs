@@ -73,13 +73,20 @@ impl Rig {
         variation: Variation,
         on_tick: impl FnMut(&mut SimulatedRig<'_, RigPlant>, f64),
     ) -> Run {
+        self.perform(self.show_of(motion), variation, on_tick)
+    }
+
+    /// A motion as a show of the rig, which is told its CRC.
+    pub(super) fn show_of<'r>(
+        &'r self,
+        motion: &'r RigMotion,
+    ) -> impl FnOnce(u32) -> Vec<u8> + use<'r> {
         // A show is within its tolerance of its motion, and where that stands it creeps to and fro in it.
         let settings = Settings { angle_rad: SHOW_RAD, ..Settings::default() };
-        let bake = |rig_crc| {
+        move |rig_crc| {
             let baker = Baker { mechanism: &self.mechanism, rig: rig_crc, settings };
             baker.bake(motion, &ShowMarks::default()).unwrap().written.bytes
-        };
-        self.perform(bake, variation, on_tick)
+        }
     }
 
     /// The same of a show, which is told the CRC of its rig.

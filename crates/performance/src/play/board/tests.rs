@@ -20,7 +20,7 @@ use sinew_servo_tools::{Client, Protocol, ServiceError, Settings};
 use sinew_show::write::Settings as ShowSettings;
 
 use super::{Chip, SimulatedBoard};
-use crate::play::{Memory, Options, RigParts};
+use crate::play::{Drive, Memory, Options, RigParts};
 use crate::{Baker, ShowMarks};
 
 const SECOND: Duration = Duration::from_secs(1);
@@ -68,13 +68,18 @@ struct Desk<'a> {
 
 /// Gives a test an arm of three servos on a board, with its rig stored or blank.
 fn on_desk(is_blank: bool, test: impl FnOnce(Desk<'_>) + Send) {
-    rig_on_desk(&arm(3).unwrap(), is_blank, test);
+    rig_on_desk(&arm(3).unwrap(), Options::default(), is_blank, test);
 }
 
-fn rig_on_desk(rig: &Description, is_blank: bool, test: impl FnOnce(Desk<'_>) + Send) {
+fn rig_on_desk(
+    rig: &Description,
+    options: Options,
+    is_blank: bool,
+    test: impl FnOnce(Desk<'_>) + Send,
+) {
     let run = || {
         let mechanism = rig.mechanism().unwrap();
-        let parts = RigParts::new(rig, &mechanism, Options::default()).unwrap();
+        let parts = RigParts::new(rig, &mechanism, options).unwrap();
         let motion = RigMotion { dt_s: 0.1, rows: vec![mechanism.home(); 11] };
         let (rig_crc, settings) = (parts.rig_crc(), ShowSettings::default());
         let baker = Baker { mechanism: &mechanism, rig: rig_crc, settings };
@@ -157,6 +162,29 @@ fn a_blank_board_takes_a_rig_and_a_show_and_plays_it() {
         assert!((desk.client.setting(6).unwrap() - 3.0).abs() < 1e-6);
         // Its own supply was looked at while torque was on: the counter is of one start.
         assert!(matches!(desk.client.ask(Command::ReadHealth), Ok(Applied::Health(_))));
+    });
+}
+
+/// Servos without a current sensor, whose loop a board closes by their PWM.
+#[test]
+fn a_board_drives_by_voltage_what_a_wiring_says_so_of() {
+    let mut rig = arm(3).unwrap();
+    rig.servos.iter_mut().for_each(|servo| "XL430-W250-T".clone_into(&mut servo.model));
+    rig.supply = None;
+    let options = Options { drive: Some(Drive::Voltage), ..Options::of_board() };
+    rig_on_desk(&rig, options, false, |mut desk| {
+        let show = desk.show.clone();
+        let of_show = item(Kind::Show, SHOW_SCHEMA, &show, desk.parts.rig_crc(), "Ada").unwrap();
+        desk.client.upload(&of_show, &show, &mut |_| ()).unwrap();
+        let slot = desk.client.slot_of(&of_show).unwrap().unwrap();
+        desk.client.ask(Command::LoadShow { slot }).unwrap();
+        desk.arm();
+        desk.client.ask(Command::Play(Feed::Show)).unwrap();
+        desk.until(State::Playing);
+        desk.until(State::Holding);
+        desk.client.ask(Command::Stop).unwrap();
+        desk.until(State::Limp);
+        assert!(desk.client.log.faults.is_empty(), "{:?}", desk.client.log.faults);
     });
 }
 
@@ -243,7 +271,7 @@ fn servos_are_reached_through_a_limp_board_alone() {
 /// A Dynamixel's packet begins with 0xFF: the chip would take it for a write to its registers.
 #[test]
 fn no_packet_is_passed_on_to_a_chip_that_makes_pulses() {
-    rig_on_desk(&face(), false, |mut desk| {
+    rig_on_desk(&face(), Options::default(), false, |mut desk| {
         desk.client.telemetry(20.0, TelemetryParts::SUMMARY).unwrap();
         desk.until(State::Limp);
         let mut chip = BoardServos::new(desk.client, 0).unwrap();

@@ -54,7 +54,8 @@ fn measure(
         effort: Effort::Current(0.05),
         age_ticks: 0,
     };
-    let condition = Condition { feedback: Some(feedback), temperature_c: Some(40.0) };
+    let condition =
+        Condition { feedback: Some(feedback), temperature_c: Some(40.0), supply_v: Some(5.0) };
     let conditions = [condition; COUNT];
     let mut out = [None; COUNT];
     drives.begin(&conditions);

@@ -1,0 +1,109 @@
+//! Servos in PWM mode: the voltage that drives the current of the effort.
+
+use sinew_core::tracker::Timing;
+use sinew_rig::servo::Servo;
+use sinew_servo_bus::Command;
+
+use super::{
+    Class, Condition, CurrentDrive, CurrentSettings, Encoder, Limit, Refused, ServoCommand,
+    ShaftTarget,
+};
+use crate::SettingError;
+
+/// A supply that is measured below this part of what is expected is not believed: division by it would give all.
+const LEAST_SUPPLY: f32 = 0.5;
+
+/// How a servo in PWM mode is driven.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct VoltageSettings {
+    /// As in current mode: encoder, friction on the way back, the most current in the winding, heat.
+    pub current: CurrentSettings,
+    /// Resistance of motor and bridge: supply over stall current, ohm.
+    pub resistance_ohm: f32,
+    /// Back-EMF at its own shaft: supply over speed without load, V s/rad.
+    pub back_emf_v_s: f32,
+    /// The supply, as long as the servo does not tell it, V.
+    pub supply_v: f32,
+}
+
+impl VoltageSettings {
+    /// The most part of the supply that the servo's own torque and speed take, 0 to 1.
+    fn most_duty(&self, servo: &Servo) -> f32 {
+        let own = servo.settings();
+        let current_a = self.current.current_a.min(own.torque_nm / own.torque_constant_nm_a);
+        let most_v = self.resistance_ohm * current_a + self.back_emf_v_s * own.speed_rad_s;
+        (most_v / self.supply_v).min(1.0)
+    }
+}
+
+/// Voltage control: the current of a [`CurrentDrive`] through the winding's resistance, and the back-EMF at the wanted
+/// speed, over the supply.
+///
+/// The back-EMF of the *measured* speed is left to the motor: what a joint is faster than its target brakes it, within
+/// the winding and without a bus in between.
+///
+/// The motor is asked for no more current than in current mode, by the speed that was read last; nor for more of the
+/// supply than its own torque and speed take. Beyond an end of its range, without fresh readings, and where it is hot,
+/// it gives less as in current mode: at no voltage the winding is shorted, and brakes. O(1).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VoltageDrive {
+    effort: CurrentDrive,
+    settings: VoltageSettings,
+}
+
+impl VoltageDrive {
+    /// The least rate, Hz: that of current mode, since the tracker closes the same loop.
+    pub const LEAST_HZ: f32 = Class::Voltage.least_hz();
+
+    /// A drive of a servo. `timing`: the tracker's, see [`CurrentDrive::new`].
+    ///
+    /// # Errors
+    /// [`Refused`] as of [`CurrentDrive::new`].
+    pub fn new(servo: &Servo, settings: &VoltageSettings, timing: Timing) -> Result<Self, Refused> {
+        let effort = CurrentDrive::of_class(Class::Voltage, servo, &settings.current, timing)?;
+        SettingError::check("resistance_ohm", settings.resistance_ohm, [1e-3, 1e3])?;
+        SettingError::check("back_emf_v_s", settings.back_emf_v_s, [0.0, 1e3])?;
+        SettingError::check("supply_v", settings.supply_v, [1.0, 100.0])?;
+        Ok(Self { effort, settings: *settings })
+    }
+
+    /// Begins anew: the voltage rises from nothing.
+    pub fn begin(&mut self) {
+        self.effort.begin();
+    }
+
+    /// A tick. Numbers are finite: [`Drives`](super::Drives) checks them.
+    pub fn command(&mut self, target: &ShaftTarget, condition: &Condition) -> ServoCommand {
+        let VoltageSettings { current, resistance_ohm, back_emf_v_s, supply_v } = self.settings;
+        let (current_a, mut limit) = self.effort.current(target, condition);
+        let servo = self.servo().settings();
+        let wanted_rad_s = servo.gear * target.velocity_rad_s;
+        let mut volts = resistance_ohm * current_a + back_emf_v_s * wanted_rad_s;
+
+        if let Some(read) = condition.feedback {
+            let most_a = current.current_a.min(servo.torque_nm / servo.torque_constant_nm_a);
+            let (emf_v, most_v) = (back_emf_v_s * read.velocity_rad_s, resistance_ohm * most_a);
+            let held_v = volts.max(emf_v - most_v).min(emf_v + most_v);
+            if (held_v - volts).abs() > 0.0 {
+                (volts, limit) = (held_v, Some(Limit::Current));
+            }
+        }
+        let least_v = LEAST_SUPPLY * supply_v;
+        let mut duty = volts / condition.supply_v.unwrap_or(supply_v).max(least_v);
+        let most = self.settings.most_duty(self.servo());
+        if duty.abs() > most {
+            (duty, limit) = (duty.max(-most).min(most), Some(Limit::Voltage));
+        }
+        let (duty, limit) = self.effort.allowed(duty, limit, condition);
+        ServoCommand { command: Command::Pwm(duty), limit }
+    }
+
+    pub(super) fn servo(&self) -> &Servo {
+        self.effort.servo()
+    }
+
+    pub(super) fn encoder(&self) -> Encoder {
+        self.effort.encoder()
+    }
+}
