@@ -105,8 +105,8 @@ fn plant(test_rig: &mut TestRig, fault: Fault, on: bool) {
         Fault::SupplyHigh => Planted { volts: Some(8.0), ..Planted::default() },
         // A slip is taken for the hand's lead; an encoder that swings is ahead of what any hand leads.
         Fault::FollowingError if is_led => Planted { off_rad: [0.7, -0.7], ..Planted::default() },
-        // A horn that has slipped by 40 deg: it is not back within 15 while the fault is looked for.
-        Fault::FollowingError => Planted { off_rad: [0.7; 2], ..Planted::default() },
+        // A horn that has slipped by 50 deg: it is not back within 15 while the fault is looked for.
+        Fault::FollowingError => Planted { off_rad: [0.87; 2], ..Planted::default() },
         Fault::Swing => {
             // Of a hand's lead no more than the haste is left.
             let swing_rad = if is_led { 0.05 } else { 0.01 };
