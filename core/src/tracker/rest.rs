@@ -165,6 +165,7 @@ impl<const N: usize> Rest<N> {
 
 #[cfg(test)]
 mod tests {
+    use super::Stance;
     use crate::tracker::{Frame, FrameSource, Measured, Settings, Timing, Tracker, TrackerError};
     use crate::{Body, Inertia, JointKind, RotationalInertia, Transform, Tree};
     use glam::Vec3;
@@ -247,6 +248,28 @@ mod tests {
         let kd = 2.0 * crate::math::sqrt(200.0);
         let whole = INERTIA_KG_M2 * (200.0 * 0.004 + kd * target.1[0]);
         assert!((effort - whole).abs() < 1e-6, "{effort}");
+    }
+
+    #[test]
+    fn a_joint_stands_once_it_has_settled_until_it_is_pushed_or_its_target_moves() {
+        let (mut tracker, mut target) = (tracker(), Target([0.0], [0.0]));
+        let mut after = |target: &mut Target, at_rad: f32, ticks: u16| {
+            for _ in 0..ticks {
+                effort_nm(&mut tracker, target, at_rad);
+            }
+            tracker.rest.stances()[0]
+        };
+        let settles = 150;
+        assert!((f32::from(settles) * DT_S - super::SETTLES_S).abs() < 1e-6);
+        let (near_rad, far_rad) = (0.9 * super::NEAR * ZONE_RAD, 1.1 * super::NEAR * ZONE_RAD);
+        assert_eq!(after(&mut target, near_rad, settles - 2), Stance::Moves);
+        assert_eq!(after(&mut target, near_rad, 4), Stance::Stands);
+        assert_eq!(after(&mut target, 0.5 * ZONE_RAD, 1), Stance::Rests);
+        assert_eq!(after(&mut target, far_rad, 1), Stance::Moves);
+        assert_eq!(after(&mut target, near_rad, settles - 2), Stance::Moves);
+        assert_eq!(after(&mut target, near_rad, 4), Stance::Stands);
+        target.1 = [1.01 * super::STANDS_RAD_S];
+        assert_eq!(after(&mut target, near_rad, 1), Stance::Moves);
     }
 
     #[test]
