@@ -28,7 +28,8 @@
 //!
 //! # What is refused
 //! [`SetupError`] says it at construction: a rate below the class's least, a range that crosses the encoder's seam, a
-//! current or voltage drive without a torque constant, a position drive without a stiffness, servos of two classes on one drive.
+//! current or voltage drive without a torque constant, a position drive without a stiffness, servos of two classes on
+//! one drive.
 //!
 //! ```
 //! use sinew_servo_bus::Command;

@@ -140,15 +140,15 @@ impl ServoModel {
         0.5 * self.backlash_rad.value
     }
 
-    /// Returns what follows of the motor from the maker's figures, if they go together: at no-load speed the supply gives
-    /// back-EMF and what friction takes, and at stall friction that grows with the load takes what is missing.
+    /// Returns what follows of the motor from the maker's figures, if they go together: at no-load speed the supply
+    /// gives back-EMF and what friction takes, and at stall friction that grows with the load takes what is missing.
     /// `stiction_nm` is the friction at rest, without load.
     pub fn motor(&self, stiction_nm: f64) -> Option<MotorFigures> {
         let [volts, amps] = [self.voltage_v.value, self.stall_current_a.value];
         let [stall_nm, speed] = [self.stall_torque_nm.value, self.no_load_speed_rad_s.value];
         let resistance_ohm = volts / amps;
-        // k w + R f / k = V, where friction f is overcome by the motor alone: f / (1 - load friction). The motor's share
-        // is found with it, in a few rounds.
+        // k w + R f / k = V, where friction f is overcome by the motor alone: f / (1 - load friction). The motor's
+        // share is found with it, in a few rounds.
         let drag_nm = self.friction_nm.value + self.damping_nm_s.value * speed;
         let (mut constant, mut load) = (volts / speed, 0.0);
         for _ in 0..ROUNDS {

@@ -49,8 +49,8 @@ const SHARED: usize = 5;
 const OWN: usize = 6;
 /// Place among them.
 const DELAY: usize = 5;
-/// The sizes: 1 rad, 10 rad/s, half a count of ring, a third of the full torque, and half a millisecond: the packet comes
-/// at any time of the servo's own tick, and of a USB frame.
+/// The sizes: 1 rad, 10 rad/s, half a count of ring, a third of the full torque, and half a millisecond: the packet
+/// comes at any time of the servo's own tick, and of a USB frame.
 const RING_COUNTS: f64 = 0.5;
 const LEFT_OVER: f64 = 0.3;
 const DELAY_S: f64 = 5e-4;

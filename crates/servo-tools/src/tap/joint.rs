@@ -69,8 +69,8 @@ impl Joint {
     pub(super) fn curves(&self, until_s: f64) -> Curves {
         let [stiffness, damping] = [self.stiffness_nm_rad, self.damping_nm_s];
         let [rotor, load] = [self.rotor_kg_m2, self.load_kg_m2];
-        // Positions and speeds of rotor and shaft, and a torque of the motor that stays. All torques and speeds have one
-        // sign, so friction that grows with torques is a part of each.
+        // Positions and speeds of rotor and shaft, and a torque of the motor that stays. All torques and speeds have
+        // one sign, so friction that grows with torques is a part of each.
         let [at_rotor, at_shaft] = self.load_frictions;
         let [pushed, pulled] = [(1.0 - at_rotor) / rotor, (1.0 + at_rotor) / rotor];
         let [carried, rubbed] = [(1.0 - at_shaft) / load, -at_shaft / load];

@@ -2,13 +2,13 @@
 //!
 //! The servo creeps in its own mode of position, so weakly that friction hardly lets it move, then speeds up a little:
 //! its teeth touch, and all friction has one sign. Then the limit of its torque goes up at once. The goal is far away,
-//! so the motor gives all that the limit lets it give: a step of torque, which winds the gear up, and the shaft rings on
-//! top of its way. After a few swings it brakes, and goes back to where it was. Two masses, a spring and a damper are
-//! fitted to many such taps.
+//! so the motor gives all that the limit lets it give: a step of torque, which winds the gear up, and the shaft rings
+//! on top of its way. After a few swings it brakes, and goes back to where it was. Two masses, a spring and a damper
+//! are fitted to many such taps.
 //!
-//! The rotor does not stand while the shaft rings: a ring that an encoder can see takes more torque than friction holds.
-//! So inertias of rotor and load must be known. Play is not found: the encoder is at the shaft, and does not see the
-//! rotor cross it.
+//! The rotor does not stand while the shaft rings: a ring that an encoder can see takes more torque than friction
+//! holds. So inertias of rotor and load must be known. Play is not found: the encoder is at the shaft, and does not see
+//! the rotor cross it.
 
 mod act;
 mod clock;

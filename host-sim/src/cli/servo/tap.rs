@@ -24,9 +24,9 @@ use crate::cli::stop::Stop;
 
 /// Measure stiffness and damping of a servo's gear by a tap test, and write them into the rig file.
 ///
-/// The servo creeps, gets more torque at once, brakes and goes back, again and again: its joint rings meanwhile. How far
-/// it moves, and with how much torque, is said before. Stand the rig at its home pose, and hold all other joints of the
-/// servo's limb: what hangs on it must be stiff. Its inertia is that of the rig file.
+/// The servo creeps, gets more torque at once, brakes and goes back, again and again: its joint rings meanwhile. How
+/// far it moves, and with how much torque, is said before. Stand the rig at its home pose, and hold all other joints of
+/// the servo's limb: what hangs on it must be stiff. Its inertia is that of the rig file.
 ///
 /// It asks before it moves. At Ctrl-C (after the tap that is under way) and at each error the servo goes back, and all
 /// its registers are as before; a servo that was limp is limp again. `gear_stiffness_nm_rad` and `gear_damping_nm_s` of
