@@ -10,7 +10,6 @@ use crate::joint_states::JointStates;
 use crate::joint_targets::JointTargets;
 use crate::math;
 use crate::state::{JointState, StateInputError};
-use crate::tracker::Stance;
 use crate::transform::{Transform, Twist, Wrench};
 use crate::tree::{Body, Tree};
 
@@ -184,6 +183,17 @@ struct Command {
     learning: Learning,
     /// The joint stands.
     stands: bool,
+}
+
+/// How much a joint is at rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Stance {
+    /// Its target moves, it is on its way to a target that stands, or it has no zone.
+    Moves,
+    /// Its target stands, and it has come to it: nothing is to be followed fast.
+    Stands,
+    /// Its target stands, and the joint is within its open zone.
+    Rests,
 }
 
 /// Whether a joint's disturbance is learnt from the measurement that a command leads to.
@@ -400,9 +410,9 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         }
     }
 
-    /// Notes the stance of a joint with the command that was recorded last. When the measurement that the
-    /// command leads to comes, a joint that stands is observed with [`STANDING_SHARE`] of its own bandwidth; one that
-    /// rests learns nothing from it.
+    /// Notes the stance of a joint with the command that was recorded last; without a note it moves. When the
+    /// measurement that the command leads to comes, a joint that stands is observed with [`STANDING_SHARE`] of its own
+    /// bandwidth; one that rests learns nothing from it.
     pub(crate) fn note_stance(&mut self, joint: usize, stance: Stance) {
         if let Some(command) = self.sent.get_mut(self.delay).and_then(|tick| tick.get_mut(joint)) {
             command.stands = stance != Stance::Moves;

@@ -23,6 +23,7 @@ use crate::controller::{ControllerError, TorqueController, Workspace};
 use crate::coordinates::{CoordinatesError, DofCommand};
 use crate::joint_states::JointStates;
 use crate::joint_targets::JointTargets;
+use crate::observer::Stance;
 use crate::projection::JointRange;
 use crate::state_error::StateError;
 use crate::supply::TorqueSupply;
@@ -32,7 +33,6 @@ use crate::tree::Tree;
 use desired::Desired;
 use estimate::Estimate;
 use rest::Rest;
-pub(crate) use rest::Stance;
 
 pub use error::{InputError, SettingError, StepError, TrackerError};
 pub use frames::{Frame, FrameSource, Measured, extrapolate_before_start};
@@ -205,8 +205,8 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     /// rad (of slides, m) counts as none, and the observer learns nothing from it. 0 for none. Half the play of a
     /// joint's gear and a step of its encoder is the radius within which its loop can only hunt. A joint with a zone
     /// and a bandwidth of its own ([`Self::set_bandwidths`]) has 0.6 of it while it stands: within the play of a gear
-    /// a loop of the whole bandwidth can swing, and nothing is to be followed. It stands when it has been
-    /// within four radii of a target that stands for half a second. O(n).
+    /// a loop of the whole bandwidth can swing, and nothing is to be followed. It stands when
+    /// it has been within four radii of a target that stands for 0.3 s. O(n).
     ///
     /// # Errors
     /// [`TrackerError::Rest`], and nothing is changed, if there is not one for each joint, or one is not a finite
@@ -358,7 +358,9 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         let torques = w.torques().get(..count).unwrap_or_default();
         self.estimate.commanded(w.commands(), torques);
         for (joint, stance) in self.rest.stances().iter().enumerate().take(count) {
-            self.estimate.observer_mut().note_stance(joint, *stance);
+            if *stance != Stance::Moves {
+                self.estimate.observer_mut().note_stance(joint, *stance);
+            }
         }
         Ok(Tick { tracker: self })
     }

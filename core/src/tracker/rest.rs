@@ -6,6 +6,7 @@ use crate::control::Gains;
 use crate::joint_states::JointStates;
 use crate::joint_targets::JointTargets;
 use crate::math;
+use crate::observer::Stance;
 use crate::transform::Twist;
 use crate::tree::Tree;
 
@@ -16,9 +17,10 @@ const GLIDES_RAD_S: f32 = 0.2;
 /// Time in which a zone opens, s, and in which it closes.
 const OPENS_S: f32 = 0.1;
 const CLOSES_S: f32 = 0.02;
-/// A joint stands when it has been within so many radii of its zone for so long, s. It swings through the play of a
-/// gear by less, also where that has twice the play that its model says; whoever pushes it moves it farther.
+/// A joint is near its target within so many radii of its zone. It swings through the play of a gear by less, also
+/// where that has twice the play that its model says; half of a joint's spare torque pushes it farther.
 const NEAR: f32 = 4.0;
+/// A joint stands when it has been near for so long, s: until then one that was pushed comes back as fast as any.
 const SETTLES_S: f32 = 0.3;
 /// A slide's speed counts as this many rad for a metre.
 const SLIDE_RAD_M: f32 = 10.0;
@@ -40,17 +42,6 @@ pub(super) struct Rest<const N: usize> {
     near_s: [f32; N],
     stances: [Stance; N],
     is_set: bool,
-}
-
-/// How much a joint is at rest.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Stance {
-    /// Its target moves, it is on its way to a target that stands, or it has no zone.
-    Moves,
-    /// Its target stands, and it has come to it: nothing is to be followed fast.
-    Stands,
-    /// Its target stands, and the joint is within its open zone.
-    Rests,
 }
 
 impl<const N: usize> Rest<N> {
@@ -165,7 +156,7 @@ impl<const N: usize> Rest<N> {
 
 #[cfg(test)]
 mod tests {
-    use super::Stance;
+    use crate::observer::Stance;
     use crate::tracker::{Frame, FrameSource, Measured, Settings, Timing, Tracker, TrackerError};
     use crate::{Body, Inertia, JointKind, RotationalInertia, Transform, Tree};
     use glam::Vec3;

@@ -96,7 +96,7 @@ fn where_swings_grow(joint: &FlexibleJoint) -> f64 {
     let FlexibleJoint { rotor_inertia, load_inertia, stiffness, gear_damping, damping } = *joint;
     let fourth = rotor_inertia * load_inertia;
     let third = damping * load_inertia + gear_damping * joint.inertia();
-    // What stands without kp, and with it.
+    // The part without kp, and the factor of kp.
     let second = [stiffness * joint.inertia() + gear_damping * damping, -gear_damping * DELAY_S];
     let first = [stiffness * damping, gear_damping - stiffness * DELAY_S];
     let constant = stiffness;
@@ -122,7 +122,7 @@ mod tests {
         ServoModel::built_in(name).unwrap_or_default()
     }
 
-    /// What grows, by the poles of the loop in steps of 20 µs.
+    /// Says whether a swing grows, by a simulation of the loop in steps of 20 µs.
     fn grows(joint: &FlexibleJoint, stiffness: f64) -> bool {
         let FlexibleJoint { rotor_inertia, load_inertia, .. } = *joint;
         let (step_s, delay) = (2e-5, 75);

@@ -1,5 +1,5 @@
-//! What the gear of each servo allows its joint's loop: the observer's bandwidth, the stiffness of the servo's own
-//! loop, and the zone in which the joint rests.
+//! Limits that the gear of each servo sets to its joint's loop: the observer's bandwidth, the stiffness of the servo's
+//! own loop, and the zone in which the joint rests.
 
 use sinew_core::TreeError;
 use sinew_core::bandwidth::Bandwidth;

@@ -57,7 +57,7 @@ enum RequiredValue {
     Exact(i32),
     /// What the factory sets.
     Factory,
-    /// What the factory sets, times the ratio of the gain.
+    /// The factory's value, times the ratio of the gain.
     Gain,
     /// The number of the mode.
     Mode,

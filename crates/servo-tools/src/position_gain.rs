@@ -12,14 +12,14 @@ use crate::{ServiceError, Table};
 /// A tick, s: gains of servos' own loops do not depend on it.
 const TICK_S: f64 = 0.002;
 
-/// What a servo's register of the P gain of position holds, and why.
+/// The value of a servo's register of the P gain of position, and its reason.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct PositionGain {
     /// The maker's name of the register.
     pub register: &'static str,
-    /// What it holds.
+    /// The value.
     pub raw: i32,
-    /// What the factory sets.
+    /// The factory's value.
     pub factory: i32,
     /// Torque per position error with that gain, N m/rad.
     pub stiffness_nm_rad: f64,

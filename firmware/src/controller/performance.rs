@@ -222,17 +222,15 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         share: impl Fn(usize) -> f32,
     ) -> Result<&[Option<ServoCommand>], NotFinite> {
         let Self { rig, tracker, drives, commands, out, .. } = self;
-        // What a servo in position mode gives more than its target asks for is its offset; of a voltage the part that
-        // holds against back-EMF gives no effort.
+        // A current is cut to its share below. In position mode the offset is cut, which is what the servo gives beyond
+        // its target; in PWM mode the effort is, since the part of the voltage that holds against back-EMF gives none.
         for drive in rig.drives() {
             let class = drive.servos.first().and_then(|servo| class(drives.servos(), *servo));
-            let share = match class {
-                Some(Class::Position | Class::Voltage) => {
-                    let servos = drive.servos.iter().map(|servo| usize::from(*servo));
-                    servos.map(&share).fold(1.0, f32::min)
-                }
-                _ => 1.0,
-            };
+            if !matches!(class, Some(Class::Position | Class::Voltage)) {
+                continue;
+            }
+            let servos = drive.servos.iter().map(|servo| usize::from(*servo));
+            let share = servos.map(&share).fold(1.0, f32::min);
             for dof in &drive.dofs {
                 if let Some(command) = commands.get_mut(usize::from(*dof)) {
                     command.feedforward_effort *= share;

@@ -117,7 +117,7 @@ impl CurrentDrive {
         (current_a, limit)
     }
 
-    /// What may be given of a current or a voltage by range, age of readings and heat; once a tick.
+    /// Cuts a current or a voltage to what range, age of readings and heat allow; called once a tick.
     pub(super) fn allowed(
         &mut self,
         mut wanted: f32,

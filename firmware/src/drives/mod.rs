@@ -8,12 +8,9 @@
 //!
 //! | class | for | takes | method | least rate |
 //! | --- | --- | --- | --- | --- |
-//! | [`CurrentDrive`] | servos in current mode | feed-forward and feedback effort | effort and friction over the torque
-//! constant | 200 Hz |
-//! | [`VoltageDrive`] | servos in PWM mode | the same | that current through the winding, and back-EMF, over the supply |
-//! 200 Hz |
-//! | [`PositionDrive`] | servos in position mode of known stiffness | target and feed-forward effort | target, and the
-//! effort over the servo's own stiffness | 50 Hz |
+//! | [`CurrentDrive`] | servos in current mode | both efforts | effort and friction over torque constant | 200 Hz |
+//! | [`VoltageDrive`] | servos in PWM mode | both efforts | that current's voltage and back-EMF over supply | 200 Hz |
+//! | [`PositionDrive`] | servos by position | target, feed-forward effort | target, effort over stiffness | 50 Hz |
 //! | [`TargetDrive`] | hobby servos, and others of unknown stiffness | target | the target, within its limits | 50 Hz |
 //!
 //! # Why a position servo gets no feedback effort

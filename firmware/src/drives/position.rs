@@ -53,8 +53,7 @@ impl Default for PositionSettings {
 
 /// Position control by the servo itself: the target a tick ahead, within range, speed and acceleration, and an offset
 /// of the feed-forward effort, friction and back-EMF over the servo's own stiffness. A servo that holds `k` N m/rad
-/// sags by
-/// `effort / k`; sent as far beyond its target, it sags onto it.
+/// sags by `effort / k`; sent as far beyond its target, it sags onto it.
 ///
 /// There is no feedback effort in it: see [the module](super). Without fresh readings, and where it is hot, the offset
 /// fades to nothing at its own rate; the target stays. O(1).

@@ -28,12 +28,16 @@ pub struct VoltageSettings {
 }
 
 impl VoltageSettings {
-    /// The most part of the supply that the servo's own torque and speed take, 0 to 1.
-    fn most_duty(&self, servo: &Servo) -> f32 {
+    /// The most current in the winding, A: the servo's own torque limits it, too.
+    fn most_a(&self, servo: &Servo) -> f32 {
         let own = servo.settings();
-        let current_a = self.current.current_a.min(own.torque_nm / own.torque_constant_nm_a);
-        let most_v = self.resistance_ohm * current_a + self.back_emf_v_s * own.speed_rad_s;
-        (most_v / self.supply_v).min(1.0)
+        self.current.current_a.min(own.torque_nm / own.torque_constant_nm_a)
+    }
+
+    /// The most part of the supply that the servo's own torque and speed take, 0 to 1.
+    pub(crate) fn most_duty(&self, servo: &Servo) -> f32 {
+        let turning_v = self.back_emf_v_s * servo.settings().speed_rad_s;
+        ((self.resistance_ohm * self.most_a(servo) + turning_v) / self.supply_v).min(1.0)
     }
 }
 
@@ -49,7 +53,12 @@ impl VoltageSettings {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VoltageDrive {
     effort: CurrentDrive,
-    settings: VoltageSettings,
+    resistance_ohm: f32,
+    back_emf_v_s: f32,
+    supply_v: f32,
+    /// The most voltage at standstill, V.
+    most_v: f32,
+    most_duty: f32,
 }
 
 impl VoltageDrive {
@@ -65,7 +74,10 @@ impl VoltageDrive {
         SettingError::check("resistance_ohm", settings.resistance_ohm, [1e-3, 1e3])?;
         SettingError::check("back_emf_v_s", settings.back_emf_v_s, [0.0, 1e3])?;
         SettingError::check("supply_v", settings.supply_v, [1.0, 100.0])?;
-        Ok(Self { effort, settings: *settings })
+        let VoltageSettings { resistance_ohm, back_emf_v_s, supply_v, .. } = *settings;
+        let most_v = resistance_ohm * settings.most_a(servo);
+        let most_duty = settings.most_duty(servo);
+        Ok(Self { effort, resistance_ohm, back_emf_v_s, supply_v, most_v, most_duty })
     }
 
     /// Begins anew: the voltage rises from nothing.
@@ -75,23 +87,21 @@ impl VoltageDrive {
 
     /// A tick. Numbers are finite: [`Drives`](super::Drives) checks them.
     pub fn command(&mut self, target: &ShaftTarget, condition: &Condition) -> ServoCommand {
-        let VoltageSettings { current, resistance_ohm, back_emf_v_s, supply_v } = self.settings;
         let (current_a, mut limit) = self.effort.current(target, condition);
-        let servo = self.servo().settings();
-        let wanted_rad_s = servo.gear * target.velocity_rad_s;
-        let mut volts = resistance_ohm * current_a + back_emf_v_s * wanted_rad_s;
+        let wanted_rad_s = self.servo().settings().gear * target.velocity_rad_s;
+        let mut volts = self.resistance_ohm * current_a + self.back_emf_v_s * wanted_rad_s;
 
         if let Some(read) = condition.feedback {
-            let most_a = current.current_a.min(servo.torque_nm / servo.torque_constant_nm_a);
-            let (emf_v, most_v) = (back_emf_v_s * read.velocity_rad_s, resistance_ohm * most_a);
-            let held_v = volts.max(emf_v - most_v).min(emf_v + most_v);
-            if (held_v - volts).abs() > 0.0 {
-                (volts, limit) = (held_v, Some(Limit::Current));
+            // The winding takes the most current where the voltage differs from the back-EMF by so much.
+            let emf_v = self.back_emf_v_s * read.velocity_rad_s;
+            let [least_v, most_v] = [emf_v - self.most_v, emf_v + self.most_v];
+            if volts < least_v || volts > most_v {
+                (volts, limit) = (volts.max(least_v).min(most_v), Some(Limit::Current));
             }
         }
-        let least_v = LEAST_SUPPLY * supply_v;
-        let mut duty = volts / condition.supply_v.unwrap_or(supply_v).max(least_v);
-        let most = self.settings.most_duty(self.servo());
+        let supply_v = condition.supply_v.unwrap_or(self.supply_v);
+        let mut duty = volts / supply_v.max(LEAST_SUPPLY * self.supply_v);
+        let most = self.most_duty;
         if duty.abs() > most {
             (duty, limit) = (duty.max(-most).min(most), Some(Limit::Voltage));
         }

@@ -74,7 +74,7 @@ pub enum PartsError {
         drive.name()
     )]
     NotSo {
-        /// What was asked for.
+        /// The drive that was asked for.
         drive: Drive,
         /// The servo.
         servo: String,

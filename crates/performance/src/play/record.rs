@@ -41,10 +41,9 @@ pub(super) const OF_SERVO: [&str; 3] = ["current", "temperature", "voltage"];
 /// Writes a recording.
 ///
 /// Columns: `time_s`, `state`, `runs` (whether the show ran) and `faults` (those that came in the tick, and warnings);
-/// of each joint
-/// `JOINT.commanded`, `.measured`, `.error` (rad, or m), `.effort` (N m, or N), `.limiter` and `.swings`; of each servo
-/// `SERVO.current` (A), `.temperature` (degC) and `.voltage` (V). What is not known is null. Joints are degrees of
-/// freedom; of a ball joint positions are the rotation vector's.
+/// of each joint `JOINT.commanded`, `.measured`, `.error` (rad, or m), `.effort` (N m, or N), `.limiter` and `.swings`;
+/// of each servo `SERVO.current` (A), `.temperature` (degC) and `.voltage` (V). What is not known is null.
+/// Joints are degrees of freedom; of a ball joint positions are the rotation vector's.
 ///
 /// The end of a Parquet file says what is where, so a file without it is lost. That end stands here between the parts,
 /// too, where readers look over it: what was cut off is whole up to the last one.

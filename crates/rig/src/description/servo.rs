@@ -29,7 +29,7 @@ pub struct Servo {
     pub speed_rad_s: Option<f64>,
     /// The largest acceleration that it is asked for.
     pub acceleration_rad_s2: Option<f64>,
-    /// What its register of the P gain of position holds, in its own numbers. Default: by
+    /// Value of its register of the P gain of position, in its own numbers. Default: by
     /// [`Stiffness`](crate::stiffness::Stiffness).
     pub p_gain: Option<u16>,
     /// What it does when commands stop.
@@ -204,7 +204,7 @@ impl ServoModel {
     }
 }
 
-/// What follows of a motor from its maker's figures.
+/// Figures of a motor that follow from its maker's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotorFigures {
     /// Torque per current before friction, N m/A; also its back-EMF, V s/rad.

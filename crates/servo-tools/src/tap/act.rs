@@ -30,7 +30,7 @@ const SETTLE: Duration = Duration::from_millis(200);
 const STANDS: Duration = Duration::from_millis(80);
 const MOST_SETTLE: Duration = Duration::from_secs(4);
 
-/// What came of tapping.
+/// The taps as they were read.
 pub(super) struct Recorded {
     pub(super) taps: Vec<Tap>,
     /// How far it was from where it stood, rad.
@@ -41,7 +41,7 @@ pub(super) struct Recorded {
 struct Registers {
     goal: Item,
     present: Item,
-    /// What limits its torque.
+    /// The limit of its torque.
     limit: Item,
     /// The most that it may be, and what it is for the full torque, counts.
     most: i32,
@@ -176,7 +176,7 @@ fn gain<E: Exchange>(
     Ok((gain, [before, raised]))
 }
 
-/// What is set for the time of the test: no profile, and little torque.
+/// Returns the values that hold for the time of the test: no profile, and little torque.
 fn settings<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,

@@ -27,7 +27,7 @@ impl Tap {
     }
 }
 
-/// What a fit came to.
+/// Result of a fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fitted {
     /// Rotor, load and gear.
@@ -258,7 +258,7 @@ impl Problem<'_> {
                 }
             }
         }
-        // What they are believed to be: near 0.
+        // They are believed to be near 0.
         for (at, own) in own.iter().chain([&delay]).enumerate() {
             sums[at][at] += 1.0;
             sums[at][OWN + SHARED] -= own;

@@ -11,7 +11,7 @@ pub(super) struct Push {
     pub(super) preload_s: f64,
     /// The step, N m.
     pub(super) step_nm: f64,
-    /// What the shaft resists with all the time: friction and gravity, N m.
+    /// Torque by which friction and gravity resist at the shaft all the time, N m.
     pub(super) held_nm: f64,
 }
 

@@ -27,23 +27,23 @@ pub use joint::Joint;
 use plan::Plan;
 pub use tapped::Tapped;
 
-/// What hangs on a servo.
+/// The load that hangs on a servo.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load {
     /// Inertia at the shaft, kg m².
     pub inertia_kg_m2: f64,
-    /// What gravity pulls at the shaft with where it holds, N m, positive towards larger positions.
+    /// Torque of gravity at the shaft where it holds, N m, positive towards larger positions.
     pub gravity_nm: f64,
 }
 
-/// What a tap test is made of.
+/// Settings of a tap test.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Number of taps.
     pub taps: u32,
     /// Part of its full torque by which the servo steps, 0 to 0.6.
     pub strength: f64,
-    /// What hangs on it.
+    /// The load that hangs on it.
     pub load: Load,
 }
 

@@ -19,7 +19,7 @@ pub(super) enum Direction {
 /// How to tap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Plan {
-    /// What is believed of the joint.
+    /// The joint as it is believed to be.
     pub(super) joint: Joint,
     /// Torque of the motor at standstill with all of its supply, N m: the full torque.
     pub(super) full_nm: f64,
@@ -31,9 +31,9 @@ pub(super) struct Plan {
     pub(super) strength: f64,
     /// It speeds up by so much of its full torque before.
     pub(super) preload: f64,
-    /// What gravity takes, of the full torque.
+    /// Part of the full torque that gravity takes.
     pub(super) gravity_part: f64,
-    /// What friction at the shaft takes at least, N m.
+    /// Least friction at the shaft, N m.
     friction_nm: f64,
     /// How long it creeps before, s: at least.
     pub(super) meet_s: f64,
@@ -68,13 +68,13 @@ const FULL_RAD: f64 = 0.12;
 /// How far it creeps at most until it is seen, and what it goes further meanwhile by the speed that it has then, rad.
 const CREEP_RAD: f64 = 0.08;
 const WAY_MARGIN: f64 = 1.15;
-/// What it goes further while it brakes.
+/// Factor of its way by which it goes further while it brakes.
 const BRAKE_MARGIN: f64 = 1.3;
 /// It goes back with so much more than gravity takes, of its full torque.
 const BACK_PART: f64 = 0.3;
 /// It stands with so much more than twice what gravity takes: less than friction.
 const CALM_PART: f64 = 0.02;
-/// What friction takes as a rule, of the full torque.
+/// Part of the full torque that friction takes as a rule.
 const FRICTION_PART: f64 = 0.1;
 /// Part of what is believed of the friction at the shaft that is there for sure.
 const SURE_FRICTION: f64 = 0.5;

@@ -1,4 +1,4 @@
-//! What a tap test came to, and whether that is a result.
+//! The outcome of a tap test, and whether it is a result.
 
 use std::fmt;
 
@@ -18,10 +18,10 @@ const LEAST_READINGS: f64 = 4.0;
 /// Largest deviation of readings from what a rotor, a gear and a load do, counts: a time that is off by a millisecond
 /// makes no more.
 const MOST_NOISE_COUNTS: f64 = 1.0;
-/// What the motor's torque may be beside what is known of its kind.
+/// Bounds of the motor's torque over that of its kind.
 const TORQUE_RATIOS: [f64; 2] = [0.75, 1.3];
 
-/// What a tap test came to.
+/// The outcome of a tap test.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tapped {
     /// Stiffness and damping, of all taps.

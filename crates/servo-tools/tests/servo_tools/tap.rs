@@ -21,7 +21,7 @@ struct Case {
     kind: &'static str,
     /// Inertia of what hangs on it, in inertias of its rotor.
     load: f64,
-    /// What gravity takes where it holds, a part of its stall torque; with any it is on, else limp.
+    /// Torque of gravity where it holds, as a part of its stall torque; with any it is on, else limp.
     gravity: f64,
     changes: &'static [&'static str],
 }

@@ -71,16 +71,12 @@ impl GuardSettings {
                 let zero_rad = drive.encoder.map_or(0.0, |encoder| encoder.zero_rad);
                 Self { zero_rad, tells: drive.encoder.is_some(), ..all }
             }
-            DriveSettings::Voltage(drive) => {
-                let held_v = drive.resistance_ohm * all.effort.min(drive.current.current_a);
-                let turning_v = drive.back_emf_v_s * own.speed_rad_s;
-                Self {
-                    zero_rad: drive.current.encoder.zero_rad,
-                    effort: ((held_v + turning_v) / drive.supply_v).min(1.0),
-                    stale_s: drive.current.cut_off.stale_s + FADE_S,
-                    ..all
-                }
-            }
+            DriveSettings::Voltage(drive) => Self {
+                zero_rad: drive.current.encoder.zero_rad,
+                effort: drive.most_duty(servo),
+                stale_s: drive.current.cut_off.stale_s + FADE_S,
+                ..all
+            },
         }
     }
 

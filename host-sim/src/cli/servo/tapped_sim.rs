@@ -13,7 +13,7 @@ use sinew_servo_tools::rig_servo::RigServo;
 use sinew_servo_tools::tap::{Settings, TapTest, Tapped};
 use sinew_servo_tools::{Client, Exchange, Protocol, Settings as Patience};
 
-/// What is tapped in place of a servo at a port.
+/// A simulated servo that is tapped in place of one at a port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum TargetArg {
     /// A simulated servo as the factory ships it, alone with what hangs on it at the rig's home pose.

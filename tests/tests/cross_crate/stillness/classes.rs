@@ -18,7 +18,7 @@ const CLIP: &str = "kicks_01";
 /// The servo of the starter arm, for which its masses are.
 const STARTER: &str = "XL330-M288-T";
 
-/// What the runs of a rig came to.
+/// Numbers of the runs of a rig.
 struct Row {
     name: String,
     /// On each of [`plants`].

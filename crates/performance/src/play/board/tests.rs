@@ -115,6 +115,20 @@ impl Desk<'_> {
         panic!("{state} does not come: {:?}", self.client.log);
     }
 
+    /// Uploads the desk's show, which the board does not have, arms, and plays it to its end.
+    fn play_show(&mut self) {
+        let of_show =
+            item(Kind::Show, SHOW_SCHEMA, &self.show, self.parts.rig_crc(), "Ada").unwrap();
+        assert_eq!(self.client.slot_of(&of_show).unwrap(), None);
+        self.client.upload(&of_show, &self.show, &mut |_| ()).unwrap();
+        let slot = self.client.slot_of(&of_show).unwrap().unwrap();
+        self.client.ask(Command::LoadShow { slot }).unwrap();
+        self.arm();
+        self.client.ask(Command::Play(Feed::Show)).unwrap();
+        self.until(State::Playing);
+        self.until(State::Holding);
+    }
+
     fn arm(&mut self) {
         self.client.telemetry(20.0, TelemetryParts::SUMMARY).unwrap();
         self.until(State::Limp);
@@ -141,16 +155,7 @@ fn a_blank_board_takes_a_rig_and_a_show_and_plays_it() {
         assert!(seen.is_sorted() && seen.last() == Some(&of_rig.length), "{seen:?}");
         assert_eq!(desk.client.about().rig, desk.parts.rig_crc());
         assert_eq!(desk.board.borrow().starts(), 2);
-        let show = desk.show.clone();
-        let of_show = item(Kind::Show, SHOW_SCHEMA, &show, desk.parts.rig_crc(), "Ada").unwrap();
-        assert_eq!(desk.client.slot_of(&of_show).unwrap(), None);
-        desk.client.upload(&of_show, &show, &mut |_| ()).unwrap();
-        let slot = desk.client.slot_of(&of_show).unwrap().unwrap();
-        desk.client.ask(Command::LoadShow { slot }).unwrap();
-        desk.arm();
-        desk.client.ask(Command::Play(Feed::Show)).unwrap();
-        desk.until(State::Playing);
-        desk.until(State::Holding);
+        desk.play_show();
         // Nothing is stored while the rig is armed.
         let refused = desk.client.set_setting(6, 3.0).unwrap_err();
         assert!(matches!(refused, ClientError::Refused(Refusal::State(State::Holding))));
@@ -173,15 +178,7 @@ fn a_board_drives_by_voltage_what_a_wiring_says_so_of() {
     rig.supply = None;
     let options = Options { drive: Some(Drive::Voltage), ..Options::of_board() };
     rig_on_desk(&rig, options, false, |mut desk| {
-        let show = desk.show.clone();
-        let of_show = item(Kind::Show, SHOW_SCHEMA, &show, desk.parts.rig_crc(), "Ada").unwrap();
-        desk.client.upload(&of_show, &show, &mut |_| ()).unwrap();
-        let slot = desk.client.slot_of(&of_show).unwrap().unwrap();
-        desk.client.ask(Command::LoadShow { slot }).unwrap();
-        desk.arm();
-        desk.client.ask(Command::Play(Feed::Show)).unwrap();
-        desk.until(State::Playing);
-        desk.until(State::Holding);
+        desk.play_show();
         desk.client.ask(Command::Stop).unwrap();
         desk.until(State::Limp);
         assert!(desk.client.log.faults.is_empty(), "{:?}", desk.client.log.faults);
