@@ -118,6 +118,11 @@ impl ServoDrive {
         }
     }
 
+    /// Converts a position that the servo's encoder read to one of its shaft, rad.
+    pub(super) fn shaft_position(&self, read_rad: f32) -> f32 {
+        self.servo().shaft_position(read_rad - self.encoder().zero_rad)
+    }
+
     pub(super) fn encoder(&self) -> Encoder {
         match self {
             Self::Current(drive) => drive.encoder(),

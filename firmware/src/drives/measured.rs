@@ -39,17 +39,32 @@ impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> Drives<'_, BOD
         Ok(())
     }
 
-    /// Readings of a drive's servos at its shafts; none if one was never read.
-    pub(super) fn shafts(&self, drive: &BoardDrive, conditions: &[Condition]) -> Option<Shafts> {
+    /// Returns where a drive's servos were read, at its shafts; none if one was never read.
+    pub(super) fn shaft_positions(
+        &self,
+        drive: &BoardDrive,
+        conditions: &[Condition],
+    ) -> Option<Numbers> {
+        let mut positions = Numbers::new();
+        for index in &drive.servos {
+            let index = usize::from(*index);
+            let read = conditions.get(index)?.feedback?;
+            // There is room: servos are counted.
+            let _ = positions.push(self.servos.get(index)?.shaft_position(read.position_rad));
+        }
+        Some(positions)
+    }
+
+    /// Returns readings of a drive's servos at its shafts; none if one was never read.
+    fn shafts(&self, drive: &BoardDrive, conditions: &[Condition]) -> Option<Shafts> {
         let mut shafts = Shafts { torques: Some(Numbers::new()), ..Shafts::default() };
         for index in &drive.servos {
             let index = usize::from(*index);
             let read = conditions.get(index)?.feedback?;
             let drive = self.servos.get(index)?;
             let servo = drive.servo();
-            let own_rad = read.position_rad - drive.encoder().zero_rad;
             // There is room: servos are counted.
-            let _ = shafts.positions.push(servo.shaft_position(own_rad));
+            let _ = shafts.positions.push(drive.shaft_position(read.position_rad));
             let _ = shafts.velocities.push(servo.shaft_velocity(read.velocity_rad_s));
             match (&mut shafts.torques, read.effort) {
                 (Some(torques), Effort::Current(a)) => {
@@ -66,8 +81,8 @@ impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> Drives<'_, BOD
 
 /// Readings of a drive's servos, at the shafts that it sees.
 #[derive(Debug, Default)]
-pub(super) struct Shafts {
-    pub(super) positions: Numbers,
+struct Shafts {
+    positions: Numbers,
     velocities: Numbers,
     torques: Option<Numbers>,
     age_ticks: u32,

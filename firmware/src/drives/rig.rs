@@ -211,8 +211,8 @@ impl<'r, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         let wanted = drive.drive.at_joints(q)?;
         let limit = wanted.reason().map(Limit::from);
         let velocities = wanted.servo_velocities(qd)?;
-        let shafts = self.shafts(drive, conditions);
-        let measured = shafts.as_ref().map(|shafts| drive.drive.at_servos(&shafts.positions));
+        let measured = self.shaft_positions(drive, conditions);
+        let measured = measured.map(|positions| drive.drive.at_servos(&positions));
         let here: DrivePose<'_> = match measured {
             Some(measured) => measured?,
             None => wanted.clone(),
