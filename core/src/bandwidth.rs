@@ -8,7 +8,8 @@ use crate::math;
 ///
 /// The loop takes a joint for rigid. Above the gear's resonance rotor and load turn against each other, so the loop's
 /// torque must be small there. Of 0.2, 0.3, 0.4 and 0.5, 0.3 is the largest with which a joint of the softest gears
-/// (XL330, MX-64) stays stable where the gear is half as stiff as its model says and has twice the play.
+/// (XL330, MX-64), whose load is as heavy as its rotor, stays stable where the gear is half as stiff as its model says
+/// and has twice the play. Of heavier loads the review of the rig (`sinew rig check`) tells.
 pub const RESONANCE_SHARE: f32 = 0.3;
 
 /// The widest bandwidth of any joint, rad/s. Beyond it an encoder of 12 bits is heard more than the joint.

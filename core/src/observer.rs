@@ -19,6 +19,8 @@ use crate::tree::{Body, Tree};
 /// third of the damping; with 0.7 it does so by 0.9, with 0.6 and 0.5 by at most 0.3. The smaller, the longer a joint
 /// that was pushed needs to come back.
 const STANDING_SHARE: f32 = 0.6;
+/// Shares of a bandwidth are kept in so many parts.
+const WHOLE: f32 = 255.0;
 
 /// How much an observer trusts its prediction against the measurement.
 ///
@@ -181,8 +183,8 @@ pub struct Observer<const N: usize, const D: usize> {
 struct Command {
     acceleration: Twist,
     learning: Learning,
-    /// The joint stands.
-    stands: bool,
+    /// The share of the joint's own bandwidth with which what it leads to is observed, in parts of [`WHOLE`].
+    share: u8,
 }
 
 /// How much a joint is at rest.
@@ -223,7 +225,7 @@ impl Learning {
 }
 
 impl Command {
-    const NONE: Self = Self { acceleration: Twist::ZERO, learning: Learning::Free, stands: false };
+    const NONE: Self = Self { acceleration: Twist::ZERO, learning: Learning::Free, share: u8::MAX };
 }
 
 impl<const N: usize, const D: usize> Observer<N, D> {
@@ -405,20 +407,34 @@ impl<const N: usize, const D: usize> Observer<N, D> {
                 let limited = torques.next().is_some_and(|torque| torque.reason.is_some());
                 let learning = if limited { Learning::Frozen } else { Learning::Free };
                 let acceleration = if command.is_finite() { *command } else { Twist::ZERO };
-                *slot = Command { acceleration, learning, stands: false };
+                *slot = Command { acceleration, learning, share: u8::MAX };
             }
         }
     }
 
-    /// Notes the stance of a joint with the command that was recorded last; without a note it moves. When the
-    /// measurement that the command leads to comes, a joint that stands is observed with [`STANDING_SHARE`] of its own
-    /// bandwidth; one that rests learns nothing from it.
+    /// Notes the stance of a joint that does not move with the command that was recorded last. When the measurement
+    /// that the command leads to comes, the joint is observed with [`STANDING_SHARE`] of its own bandwidth; one that
+    /// rests learns nothing from it.
     pub(crate) fn note_stance(&mut self, joint: usize, stance: Stance) {
-        if let Some(command) = self.sent.get_mut(self.delay).and_then(|tick| tick.get_mut(joint)) {
-            command.stands = stance != Stance::Moves;
-            if stance == Stance::Rests {
-                command.learning = Learning::Frozen;
-            }
+        if stance != Stance::Moves {
+            self.note_share(joint, STANDING_SHARE);
+        }
+        if stance == Stance::Rests {
+            self.note(joint, Learning::Frozen);
+        }
+    }
+
+    /// Notes of the command that was recorded last that the measurement which it leads to is observed with at most
+    /// this share of the joint's own bandwidth, 0 to 1.
+    pub(crate) fn note_share(&mut self, joint: usize, share: f32) {
+        if let Some(command) = self.last_sent(joint) {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "saturates"
+            )]
+            let parts = (share * WHOLE + 0.5) as u8;
+            command.share = command.share.min(parts);
         }
     }
 
@@ -436,11 +452,15 @@ impl<const N: usize, const D: usize> Observer<N, D> {
     }
 
     fn note(&mut self, joint: usize, learning: Learning) {
-        if let Some(command) = self.sent.get_mut(self.delay).and_then(|tick| tick.get_mut(joint))
+        if let Some(command) = self.last_sent(joint)
             && command.learning != Learning::Frozen
         {
             command.learning = learning;
         }
+    }
+
+    fn last_sent(&mut self, joint: usize) -> Option<&mut Command> {
+        self.sent.get_mut(self.delay).and_then(|tick| tick.get_mut(joint))
     }
 
     /// Predicts one joint over a tick, corrects it by its measurement, and looks ahead over the delay.
@@ -462,7 +482,8 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         let settings = match self.poles.get(joint) {
             Some(&pole) if pole >= 0.0 => {
                 // The share of the bandwidth, but for the square of the bandwidth's part of a tick.
-                let pole = if made.stands { 1.0 - STANDING_SHARE * (1.0 - pole) } else { pole };
+                let share = f32::from(made.share) / WHOLE;
+                let pole = if made.share < u8::MAX { 1.0 - share * (1.0 - pole) } else { pole };
                 own = self.settings.with_pole(pole);
                 &own
             }

@@ -205,8 +205,8 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     /// rad (of slides, m) counts as none, and the observer learns nothing from it. 0 for none. Half the play of a
     /// joint's gear and a step of its encoder is the radius within which its loop can only hunt. A joint with a zone
     /// and a bandwidth of its own ([`Self::set_bandwidths`]) has 0.6 of it while it stands: within the play of a gear
-    /// a loop of the whole bandwidth can swing, and nothing is to be followed. It stands when
-    /// it has been within four radii of a target that stands for 0.3 s. O(n).
+    /// a loop of the whole bandwidth can swing, and nothing is to be followed. It stands when it has been within four
+    /// radii of a target that stands for 0.3 s, and then learns nothing within one and a half radii. O(n).
     ///
     /// # Errors
     /// [`TrackerError::Rest`], and nothing is changed, if there is not one for each joint, or one is not a finite
@@ -293,6 +293,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     ) -> Result<(), StepError> {
         let tree = self.controller.tree();
         self.desired.begin(tree, frames, index).map_err(StepError::Frame)?;
+        self.rest.begin();
         self.estimate.begin(tree, measured.into()).map_err(StepError::Measured)
     }
 
@@ -365,19 +366,36 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         Ok(Tick { tracker: self })
     }
 
+    /// Notes that a dof swings: the measurement that follows from the last tick is observed with this share of its
+    /// joint's own bandwidth, 0 to 1. O(n).
+    ///
+    /// The observer's path carries a swing through a soft gear; less of the feedback alone leaves it.
+    pub fn note_swing(&mut self, dof: usize, share: f32) {
+        if let Some(joint) = self.joint_of(dof) {
+            self.estimate.observer_mut().note_share(joint, share);
+        }
+    }
+
     /// Notes that the drive of a dof could not give all that the last tick asked for: from the measurement that
     /// follows, no disturbance is learnt that would ask for more. O(n).
     pub fn note_limited(&mut self, dof: usize) {
-        let mut first = dof;
+        let Some(joint) = self.joint_of(dof) else { return };
         let bodies = self.controller.tree().bodies();
-        for (joint, (body, torque)) in bodies.iter().zip(self.workspace.torques()).enumerate() {
-            let count = body.joint.dof_count();
-            if first < count {
-                self.estimate.observer_mut().note_limited(joint, body, &torque.value);
-                return;
-            }
-            first = first.saturating_sub(count);
+        if let (Some(body), Some(torque)) = (bodies.get(joint), self.workspace.torques().get(joint))
+        {
+            self.estimate.observer_mut().note_limited(joint, body, &torque.value);
         }
+    }
+
+    /// Returns the joint that has a dof.
+    fn joint_of(&self, dof: usize) -> Option<usize> {
+        let mut first = dof;
+        self.controller.tree().bodies().iter().position(|body| {
+            let count = body.joint.dof_count();
+            let has_it = first < count;
+            first = first.saturating_sub(count);
+            has_it
+        })
     }
 
     /// The rig's controller.

@@ -22,6 +22,9 @@ const CLOSES_S: f32 = 0.02;
 const NEAR: f32 = 4.0;
 /// A joint stands when it has been near for so long, s: until then one that was pushed comes back as fast as any.
 const SETTLES_S: f32 = 0.3;
+/// A joint that stands within so many radii of its target learns no more: beyond that, its model is wrong by more than
+/// gear and friction hide.
+const HELD: f32 = 1.5;
 /// A slide's speed counts as this many rad for a metre.
 const SLIDE_RAD_M: f32 = 10.0;
 
@@ -61,17 +64,21 @@ impl<const N: usize> Rest<N> {
     /// Removes all zones.
     pub(super) fn init(&mut self, dt_s: f32) {
         self.dt_s = dt_s;
+        self.begin();
+        self.is_set = false;
+    }
+
+    /// Begins anew: all zones are closed.
+    pub(super) fn begin(&mut self) {
+        self.open.fill(0.0);
         self.near_s.fill(0.0);
         self.stances.fill(Stance::Moves);
-        self.is_set = false;
     }
 
     /// Sets the radius of each joint's zone.
     pub(super) fn set(&mut self, radii: &[f32]) {
+        self.begin();
         self.radii.fill(0.0);
-        self.open.fill(0.0);
-        self.near_s.fill(0.0);
-        self.stances.fill(Stance::Moves);
         self.radii.iter_mut().zip(radii).for_each(|(own, radius)| *own = *radius);
         self.is_set = true;
     }
@@ -146,7 +153,8 @@ impl<const N: usize> Rest<N> {
             } else {
                 against.angular = within * -gains.kp();
             }
-            if is_within && *open >= 1.0 {
+            let stays = *stance == Stance::Stands && is_nearer(*radius * HELD);
+            if *open >= 1.0 && (is_within || stays) {
                 *stance = Stance::Rests;
             }
             targets.add_acceleration(joint, against);
@@ -256,11 +264,28 @@ mod tests {
         assert_eq!(after(&mut target, near_rad, settles - 2), Stance::Moves);
         assert_eq!(after(&mut target, near_rad, 4), Stance::Stands);
         assert_eq!(after(&mut target, 0.5 * ZONE_RAD, 1), Stance::Rests);
+        assert_eq!(after(&mut target, 0.9 * super::HELD * ZONE_RAD, 1), Stance::Rests);
+        assert_eq!(after(&mut target, 1.1 * super::HELD * ZONE_RAD, 1), Stance::Stands);
         assert_eq!(after(&mut target, far_rad, 1), Stance::Moves);
         assert_eq!(after(&mut target, near_rad, settles - 2), Stance::Moves);
         assert_eq!(after(&mut target, near_rad, 4), Stance::Stands);
         target.1 = [1.01 * super::STANDS_RAD_S];
         assert_eq!(after(&mut target, near_rad, 1), Stance::Moves);
+    }
+
+    #[test]
+    fn a_tracker_that_begins_anew_closes_its_zones() {
+        let (mut tracker, mut target) = (tracker(), Target([0.004], [0.0]));
+        let first_nm = effort_nm(&mut tracker, &mut target, 0.0);
+        for _ in 0..200 {
+            effort_nm(&mut tracker, &mut target, 0.0);
+        }
+        assert_eq!(tracker.rest.stances(), [Stance::Rests]);
+        let measured = Measured::Coordinates { q: &[0.0], qd: &[0.0] };
+        tracker.begin(&mut target, 0, measured).unwrap();
+        assert_eq!(tracker.rest.stances(), [Stance::Moves]);
+        let effort = effort_nm(&mut tracker, &mut target, 0.0);
+        assert!((effort - first_nm).abs() < 1e-6, "{effort}, at first {first_nm}");
     }
 
     #[test]

@@ -35,7 +35,8 @@ pub enum StiffnessReason {
     Gear,
     /// Beyond it a push swings out with less than [`DAMPING_RATIO`].
     Damping,
-    /// Both limits are below what the factory sets, with which no swing grows: it is made no stiffer, and no softer.
+    /// The limit by damping is below what the factory sets, with which no swing grows: it is made no stiffer, and no
+    /// softer.
     Factory,
 }
 
@@ -73,8 +74,8 @@ impl Stiffness {
         };
         Some(if nm_rad > factory {
             Self { nm_rad, reason }
-        } else if grows < factory {
-            Self { nm_rad: grows, reason: StiffnessReason::Gear }
+        } else if by_gear < factory {
+            Self { nm_rad: by_gear, reason: StiffnessReason::Gear }
         } else {
             Self { nm_rad: factory, reason: StiffnessReason::Factory }
         })

@@ -6,11 +6,11 @@ use sinew_core::bandwidth::Bandwidth;
 use sinew_core::coordinates::CoordinatesError;
 
 use crate::actuation::JoinedDrive;
-use crate::description::{Description, DescriptionError};
+use crate::description::{Description, DescriptionError, ServoModel};
 use crate::drive::DriveInputError;
 use crate::mechanism::{BODY_COUNT_MAX, Link, Mechanism};
 use crate::number::single;
-use crate::review::inertia_ranges;
+use crate::review::{ControlLoop, FlexibleJoint, inertia_ranges};
 use crate::stiffness::Stiffness;
 
 /// What the gear of one servo allows its joint's loop.
@@ -26,6 +26,38 @@ pub struct ServoTracking {
     pub blind_rad: f64,
     /// The same at its joint, rad (of slides, m): the radius of the joint's rest zone.
     pub rest: f64,
+}
+
+impl ServoTracking {
+    /// Says whether the loop of its joint decays by itself, with the gear of its data and the greatest load: a tick of
+    /// `dt_s`, `latency_ticks` late, with a stiffness of `kp_per_s2`. A servo without a bandwidth has no such loop.
+    /// O(1).
+    pub fn decays(
+        &self,
+        model: &ServoModel,
+        dt_s: f64,
+        latency_ticks: usize,
+        kp_per_s2: f64,
+    ) -> bool {
+        let Some(bandwidth) = self.bandwidth else { return true };
+        let rotor_inertia = model.rotor_inertia_kg_m2.value;
+        let joint = FlexibleJoint {
+            rotor_inertia,
+            load_inertia: self.load_inertia_kg_m2.max(rotor_inertia),
+            stiffness: model.gear_stiffness(),
+            gear_damping: model.gear_damping(),
+            damping: model.damping_nm_s.value,
+        };
+        let control = ControlLoop {
+            dt_s,
+            latency_ticks,
+            late_s: 0.0,
+            bandwidth_rad_s: f64::from(bandwidth.rad_s),
+            kp_per_s2,
+            torque_share: 1.0,
+        };
+        control.growth_per_s(&joint) < 0.0
+    }
 }
 
 /// Why there is no such list.

@@ -388,7 +388,14 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         }
         let Permission { torque, effort, .. } = self.permission;
         let (is_held, report) = (torque && effort >= 1.0, &mut self.report.dofs);
-        let following = self.watch.dofs(self.rig.dofs(), dofs, is_held, &mut findings, report);
+        let following = self.watch.dofs(
+            self.rig.dofs(),
+            self.path.now().qd(),
+            dofs,
+            is_held,
+            &mut findings,
+            report,
+        );
         self.report.following = torque.then_some(following);
         if let Some(fault) = self.watch.overrun.step(self.was_late) {
             findings.note(fault);

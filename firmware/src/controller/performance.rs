@@ -158,9 +158,14 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         let measured = Reading::Coordinates { q, qd };
         let mut tick = tracker.step(&mut &*pose, 0, measured).map_err(|_| NotFinite)?;
         tick.dof_commands(commands).map_err(|_| NotFinite)?;
-        for (command, report) in commands.iter_mut().zip(report) {
+        for (command, report) in commands.iter_mut().zip(&mut *report) {
             command.feedback_effort *= report.gain;
             (report.effort, report.limit) = (command.effort(), command.limited);
+        }
+        for (dof, report) in report.iter().enumerate() {
+            if report.gain < 1.0 {
+                tracker.note_swing(dof, report.gain);
+            }
         }
         self.drive(conditions, share)
     }

@@ -1,6 +1,7 @@
 //! All detectors of a rig.
 
 use heapless::Vec;
+use sinew_core::tracker::STANDS_RAD_S;
 use sinew_rig::board::{BoardDof, BoardRig};
 use sinew_servo_bus::{Effort, Health};
 
@@ -220,19 +221,20 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
         }
     }
 
-    /// How far the measured dofs are from what was commanded (`report`), and whether they swing. `is_held`: they have
-    /// all their effort to be there.
+    /// Looks how far the measured dofs are from what was commanded (`report`), at the commanded speeds `qd`, and whether
+    /// they swing. `is_held`: they have all their effort to be there.
     pub(super) fn dofs(
         &mut self,
         own: &[BoardDof],
+        qd: &[f32],
         measured: &[Option<Measured>],
         is_held: bool,
         findings: &mut Findings,
         report: &mut [DofReport],
     ) -> Error {
         let (mut error, mut sum, mut count) = (Error::default(), 0.0, 0.0);
-        let dofs = self.dofs.iter_mut().zip(own).zip(measured).zip(report);
-        for (index, (((dof, own), measured), report)) in dofs.enumerate() {
+        let dofs = self.dofs.iter_mut().zip(own.iter().zip(qd)).zip(measured).zip(report);
+        for (index, (((dof, (own, speed)), measured), report)) in dofs.enumerate() {
             let Some(measured) = measured else { continue };
             let off = report.error;
             (sum, count) = (sum + off.abs(), count + 1.0);
@@ -247,7 +249,8 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
             if let Some(fault) = dof.following.step(off) {
                 findings.note_of(fault, dof.servo);
             }
-            dof.swing.step(&self.swing, off, measured.effort, own.effort);
+            let stands = speed.abs() < STANDS_RAD_S;
+            dof.swing.step(&self.swing, (off, stands), measured.effort, own.effort);
             (report.swings, report.gain) = (dof.swing.is_found(), dof.swing.gain());
             if report.swings {
                 findings.note_of(Fault::Swing, dof.servo);

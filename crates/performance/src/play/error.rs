@@ -27,6 +27,19 @@ pub enum PartsError {
     /// A servo cannot have the P gain that the file states.
     #[error(transparent)]
     Gain(#[from] sinew_servo_tools::ServiceError),
+    /// A joint shakes by itself: its observer, which is as slow as the rule makes it, is too fast for the gear.
+    #[error(
+        "servo `{servo}` would shake its joint: an observer of {bandwidth_rad_s:.0} rad/s at {rate_hz} Hz is too fast \
+         for its gear; `sinew rig check` tells what the joint bears, or drive it by position"
+    )]
+    Shakes {
+        /// The servo.
+        servo: String,
+        /// Bandwidth of the observer.
+        bandwidth_rad_s: f32,
+        /// Ticks a second.
+        rate_hz: u32,
+    },
     /// It travels.
     #[error("the rig's base is not held: no servo moves it; `--base stand` bolts it to a stand")]
     Travels,

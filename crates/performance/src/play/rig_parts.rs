@@ -110,6 +110,7 @@ impl RigParts {
         let each = parts.iter().zip(&gears).zip(&rig.servos);
         let setups = each.map(setup_of).collect::<Result<Vec<ServoSetup>, PartsError>>()?;
         settings.tracker = tracker(&schedule);
+        refuse_shaking(rig, &parts, &gears, &settings.tracker, &schedule)?;
         let least = setups
             .iter()
             .zip(&parts)
@@ -231,6 +232,34 @@ impl RigParts {
         let first = |line: &Line| &self.servos[line.servos[0]].own;
         self.lines.iter().map(|line| Supply::stiff(first(line).kind.voltage_v)).collect()
     }
+}
+
+/// Refuses a rig of which a joint shakes by itself in the tracker's loop.
+fn refuse_shaking(
+    rig: &Description,
+    parts: &[ServoPart],
+    gears: &[ServoTracking],
+    tracker: &TrackerSettings,
+    schedule: &Schedule,
+) -> Result<(), PartsError> {
+    if tracker.observer.bandwidth_rad_s <= 0.0 {
+        return Ok(());
+    }
+    let dt_s = 1e-6 * f64::from(schedule.tick_us());
+    let latency_ticks = usize::try_from(schedule.groups()).unwrap_or(usize::MAX);
+    let kp_per_s2 = f64::from(tracker.kp);
+    for ((part, gear), servo) in parts.iter().zip(gears).zip(&rig.servos) {
+        let model = rig.servo_model(&servo.model).unwrap_or_default();
+        if let Some(bandwidth) = gear.bandwidth
+            && part.drive.closes_loop()
+            && !gear.decays(&model, dt_s, latency_ticks, kp_per_s2)
+        {
+            let (servo, bandwidth_rad_s) = (servo.name.clone(), bandwidth.rad_s);
+            let rate_hz = 1_000_000 / schedule.tick_us();
+            return Err(PartsError::Shakes { servo, bandwidth_rad_s, rate_hz });
+        }
+    }
+    Ok(())
 }
 
 /// The recommended tracking, or the one that bears later readings.

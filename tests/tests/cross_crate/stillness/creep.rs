@@ -14,10 +14,21 @@ const CREEPS_S: f64 = 6.0;
 /// A stick-slip step is over within this, s.
 const STEP_S: f64 = 0.1;
 
+/// Below, at and above the speed from which a target counts as one that moves: 1.146 deg/s.
+const SPEEDS_DEG_S: [f64; 5] = [0.1, 0.5, 1.1, 1.2, 2.0];
+
 #[test]
 fn a_creeping_joint_does_not_slip_by_more_than_its_play() {
-    let rig = Rig::new_arm();
-    let rows: Vec<_> = [0.1, 0.5, 2.0]
+    creeps(&Rig::new_arm());
+}
+
+#[test]
+fn a_creeping_joint_of_the_old_arm_does_not_slip_either() {
+    creeps(&Rig::old_arm());
+}
+
+fn creeps(rig: &Rig) {
+    let rows: Vec<_> = SPEEDS_DEG_S
         .par_iter()
         .map(|speed_deg_s| {
             let rows = (0..1000).map(|row| {

@@ -6,7 +6,7 @@ use sinew_servo_sim::variation::Variation;
 
 use super::limits::{Limits, SPLIT};
 use super::measure::{Poses, peak_to_peak};
-use super::robots::{poses, robot};
+use super::robots::{MIXED, OP3, POPPY, poses, robot};
 use super::run::{Rig, Run};
 
 /// The largest peak to peak on a worse gear, deg.
@@ -17,10 +17,6 @@ const LIFTED_DEG: f64 = 0.3;
 /// The damping of its load leaves Poppy's trunk less stiff than its gear could bear: it rests this much farther off at
 /// most, deg.
 const TRUNK_DEG: f64 = 0.05;
-const OP3: &str = "robotis-op3/robotis_op3.urdf";
-const POPPY: &str = "poppy-humanoid/Poppy_Humanoid.urdf";
-const MIXED: &[&str] =
-    &["xm430", "head_*=xl430", "l_sho_*=xl430", "r_sho_*=xl430", "l_el=xl430", "r_el=xl430"];
 
 /// As its kinds have it; with half the stiffness, twice the play and a third of the damping, alone and together.
 fn worse() -> Vec<(&'static str, Variation)> {

@@ -61,6 +61,7 @@ fn a_pushed_arm_stands_again_without_ringing() {
             .collect();
         sides.dedup();
         let turns = sides.len().saturating_sub(1);
+        assert!(away > rig.model(dof).resolution_rad.value, "{name}: no push moved it");
         let [away, left, allowed] = [away, left, allowed].map(f64::to_degrees);
         println!(
             "{name}: {:.4} N m, {away:.2} deg away, {left:.3} left of {allowed:.3} allowed, {swing_deg:.3} to \

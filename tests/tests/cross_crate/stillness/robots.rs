@@ -12,6 +12,11 @@ use super::limits::{ON_ROTOR, SPLIT};
 use super::measure::Poses;
 use super::run::Rig;
 
+pub(super) const OP3: &str = "robotis-op3/robotis_op3.urdf";
+pub(super) const POPPY: &str = "poppy-humanoid/Poppy_Humanoid.urdf";
+/// An OP3 with weaker servos in its head and arms.
+pub(super) const MIXED: &[&str] =
+    &["xm430", "head_*=xl430", "l_sho_*=xl430", "r_sho_*=xl430", "l_el=xl430", "r_el=xl430"];
 /// How far joints are from home in the poses, rad; within the ranges.
 const AWAY_RAD: f64 = 0.25;
 
@@ -56,11 +61,14 @@ pub(super) fn poses(rig: &Rig) -> Poses {
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn robots_stand_still() {
-    let poppy = "poppy-humanoid/Poppy_Humanoid.urdf";
     let turned = Some("l_knee_y");
     let built: &[&str] = &["mx-28", "l_hip_y=mx-64", "r_hip_y=mx-64", "abs_x=mx-64", "abs_y=mx-64"];
-    let robots: [(&str, &str, Option<&str>, &[&str]); 2] =
-        [("Poppy, MX-64", poppy, turned, &["mx-64"]), ("Poppy as built", poppy, turned, built)];
+    let robots: [(&str, &str, Option<&str>, &[&str]); 4] = [
+        ("OP3, XM430", OP3, None, &["xm430"]),
+        ("OP3, mixed", OP3, None, MIXED),
+        ("Poppy, MX-64", POPPY, turned, &["mx-64"]),
+        ("Poppy as built", POPPY, turned, built),
+    ];
     let plants = [
         ("split friction", Variation::default(), SPLIT),
         (
