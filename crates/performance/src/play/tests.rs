@@ -210,13 +210,12 @@ fn a_rig_whose_joint_would_shake_by_itself_is_refused() {
     let mut rig = arm(6).unwrap();
     let own = rig.servos[0].model.clone();
     let mut model = rig.servo_model(&own).unwrap();
-    model.name = "undamped".to_owned();
     model.damping_nm_s.value = 0.0;
     if let Some(damping) = &mut model.gear_damping_nm_s {
         damping.value = 0.0;
     }
+    // A file's own data of a kind hold before those that are built in.
     rig.servo_models.push(model);
-    rig.servos[0].model = "undamped".to_owned();
     let mechanism = rig.mechanism().unwrap();
     let parts = |drive| {
         RigParts::new(&rig, &mechanism, Options { drive: Some(drive), ..Options::default() })

@@ -88,7 +88,13 @@ fn what_a_new_servo_lacks_is_named_applied_and_gone() {
         ),
         (
             "STS3215-7.4V",
-            &["Min Position Limit", "Max Position Limit", "Max Torque Limit", "Torque Limit"],
+            &[
+                "Min Position Limit",
+                "Max Position Limit",
+                "Max Torque Limit",
+                "P Coefficient",
+                "Torque Limit",
+            ],
         ),
     ] {
         let (mut client, rig, servo) = opened(kind);
@@ -104,8 +110,8 @@ fn what_a_new_servo_lacks_is_named_applied_and_gone() {
         assert_eq!(names(&applied.written), missing);
         assert!(!applied.let_go);
         assert_eq!(diff(&mut client, &servo, &settings).unwrap(), []);
-        // A Feetech's lock is opened and shut round each of the three in EEPROM.
-        let locks = if kind.starts_with("STS") { 6 } else { 0 };
+        // A Feetech's lock is opened and shut round each of the four in EEPROM.
+        let locks = if kind.starts_with("STS") { 8 } else { 0 };
         assert_eq!(client.line_mut().writes() - before, missing.len() + locks, "only what differs");
         // Again: nothing to write.
         let before = client.line_mut().writes();
