@@ -377,7 +377,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         if !is_finite {
             findings.note(Fault::NotFinite);
         }
-        self.watch.servos(&self.readings.servos, &mut findings, &mut self.report.servos);
+        let servos = &mut self.report.servos;
+        self.watch.servos(self.permission.torque, &self.readings.servos, &mut findings, servos);
         self.watch.range(&self.path, self.readings.pose.q(), &mut findings);
         let mut errors = [0.0; DOFS];
         self.path.errors(self.readings.pose.q(), &mut errors);
