@@ -184,18 +184,11 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
             }
             let current_a = condition.feedback.map_or(0.0, |read| match read.effort {
                 Effort::Current(a) => a,
-                // Without torque nothing shorts the winding of one that is driven by voltage.
-                Effort::Load(share) => {
-                    match servo.guard.winding_a(share, &read, health.voltage_v) {
-                        Some(a) => {
-                            if is_on {
-                                a
-                            } else {
-                                0.0
-                            }
-                        }
-                        None => share * servo.stall_a,
-                    }
+                Effort::Load(part) => {
+                    let by_voltage = servo.guard.winding_a(part, &read, health.voltage_v);
+                    // Without torque nothing shorts the winding of a servo by voltage.
+                    let by_voltage = by_voltage.map(|a| if is_on { a } else { 0.0 });
+                    by_voltage.unwrap_or(part * servo.stall_a)
                 }
             });
             let found = [
