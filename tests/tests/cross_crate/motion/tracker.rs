@@ -581,10 +581,9 @@ fn a_drive_that_is_limited_without_a_side_learns_neither_way() {
         };
         let mut tracker = tracker(settings, 0).with_gravity(Vec3::ZERO).unwrap();
         let mut efforts = [0.0; JOINTS];
-        for (tick, off_rad) in [0.0, 0.0, off_rad].into_iter().enumerate() {
+        for (tick, off_rad) in (0_i32..).zip([0.0, 0.0, off_rad]) {
             let mut measured = rest();
             measured[1].rotation = math::exp(Vec3::X * off_rad);
-            let tick = tick as i32;
             tracker.step(&mut AtZero, tick, &measured).unwrap().efforts(&mut efforts).unwrap();
             if note {
                 tracker.note_limited(1);
