@@ -444,7 +444,14 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         let learning = match body.joint {
             JointKind::Revolute { axis } => {
                 let along_nm = axis.dot(wrench.moment_nm);
-                if along_nm > 0.0 { Learning::UpToPositive } else { Learning::UpToNegative }
+                // Without a side, nobody knows which is more.
+                if along_nm > 0.0 {
+                    Learning::UpToPositive
+                } else if along_nm < 0.0 {
+                    Learning::UpToNegative
+                } else {
+                    Learning::Frozen
+                }
             }
             _ => Learning::Frozen,
         };

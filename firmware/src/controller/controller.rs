@@ -377,7 +377,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         if !is_finite {
             findings.note(Fault::NotFinite);
         }
-        self.watch.servos(&self.readings.servos, &mut findings, &mut self.report.servos);
+        let servos = &mut self.report.servos;
+        self.watch.servos(self.permission.torque, &self.readings.servos, &mut findings, servos);
         self.watch.range(&self.path, self.readings.pose.q(), &mut findings);
         let mut errors = [0.0; DOFS];
         self.path.errors(self.readings.pose.q(), &mut errors);
@@ -508,7 +509,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         let commands = self
             .performance
             .carry(
-                &readings.dofs,
+                &self.path,
                 (readings.pose.q(), &walls),
                 &readings.conditions,
                 |servo| permission.effort * watch.share(servo),
@@ -528,7 +529,7 @@ fn read_pose<const DOFS: usize, const COORDS: usize>(
     pose: &mut Pose<DOFS, COORDS>,
 ) {
     let mut at = [0.0; DOFS];
-    path.positions(&mut at);
+    path.positions(path.now().q(), &mut at);
     let [q, qd, _] = pose.all_mut();
     for (index, measured) in dofs.iter().enumerate() {
         let measured = measured.filter(|_| counts(index));

@@ -46,7 +46,7 @@ impl<const SERVOS: usize> Output<SERVOS> {
         let servos = self.guards.iter_mut().zip(commands).zip(conditions).zip(report);
         for (index, (((guard, command), condition), report)) in servos.enumerate() {
             let Some(ServoCommand { command, limit }) = *command else { continue };
-            let guarded = guard.check(command, condition.feedback, permission);
+            let guarded = guard.check(command, condition, permission);
             (report.limit, report.guard) = (limit, guarded.reason);
             if guarded.reason == Some(GuardReason::NotFinite) {
                 return Err(Incomplete::NotFinite);
@@ -70,7 +70,7 @@ impl<const SERVOS: usize> Output<SERVOS> {
         let off = Command::Torque(false);
         let mut result = Ok(());
         for (index, guard) in self.guards.iter_mut().enumerate() {
-            guard.check(off, None, permission);
+            guard.check(off, &Condition::default(), permission);
             // Whatever one servo says, the others are to be off.
             result = result.and(bus.command(index, off).map_err(Incomplete::Command).map(|_| ()));
         }

@@ -95,13 +95,13 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
         }
     }
 
-    /// The commanded position of each dof, of a ball joint its rotation vector.
-    pub(super) fn positions(&self, out: &mut [f32]) {
+    /// The position of each dof in a pose, of a ball joint its rotation vector.
+    pub(super) fn positions(&self, q: &[f32], out: &mut [f32]) {
         for part in &self.parts {
             match *part {
-                JointIndices::Number { q: at, v } => put(out, v, number(self.now.q(), at)),
+                JointIndices::Number { q: at, v } => put(out, v, number(q, at)),
                 JointIndices::Turn { q: at, v } => {
-                    put_three(out, v, math::log(turn(self.now.q(), at)));
+                    put_three(out, v, math::log(turn(q, at)));
                 }
             }
         }

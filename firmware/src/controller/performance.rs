@@ -9,10 +9,11 @@ use sinew_rig::board::BoardRig;
 
 use super::coordinates::number;
 use super::error::ControllerError;
+use super::path::Path;
 use super::pose::Pose;
 use super::report::DofReport;
 use super::settings::{ControllerSettings, ServoSetup};
-use crate::drives::{Class, Condition, Drives, Limit, Measured, ServoCommand, ServoDrive};
+use crate::drives::{Class, Condition, Drives, Limit, ServoCommand, ServoDrive};
 
 /// One more than the longest latency in ticks.
 const DELAYS: usize = 8;
@@ -174,9 +175,9 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
     /// servos: it holds the rig where a hand has left it. O(dofs).
     // Not within its caller, whose frame on the stack every other tick would pay for.
     #[inline(never)]
-    pub(super) fn carry(
+    pub(super) fn carry<const COORDS: usize>(
         &mut self,
-        measured: &[Option<Measured>],
+        path: &Path<DOFS, COORDS>,
         (q, walls): (&[f32], &[f32]),
         conditions: &[Condition],
         share: impl Fn(usize) -> f32,
@@ -186,6 +187,11 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         let count = self.rig.dofs().len();
         let mut efforts = [0.0; DOFS];
         let efforts = efforts.get_mut(..count).unwrap_or_default();
+        path.positions(q, efforts);
+        for (command, position) in self.commands.iter_mut().zip(&*efforts) {
+            // It is where it should be: no friction is fed forward for a way back.
+            *command = DofCommand { position: *position, ..DofCommand::default() };
+        }
         let mut states = JointStates::rest(tree);
         let resting = [0.0; DOFS];
         let resting = resting.get(..count).unwrap_or_default();
@@ -206,13 +212,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         tree.efforts(states.as_slice(), wrenches, efforts).map_err(|_| NotFinite)?;
         for (index, (command, dof)) in self.commands.iter_mut().zip(self.rig.dofs()).enumerate() {
             let weight = number(efforts, index).max(-dof.effort).min(dof.effort);
-            *command = DofCommand {
-                // It is where it should be: no friction is fed forward for a way back.
-                position: measured.get(index).copied().flatten().map_or(0.0, |own| own.position),
-                feedforward_effort: weight,
-                feedback_effort: number(walls, index),
-                ..DofCommand::default()
-            };
+            (command.feedforward_effort, command.feedback_effort) = (weight, number(walls, index));
         }
         for (command, report) in self.commands.iter().zip(report) {
             report.effort = command.effort();
@@ -271,4 +271,91 @@ fn gives_its_most(servo: &ServoCommand) -> bool {
 
 fn class(servos: &[ServoDrive], servo: u16) -> Option<Class> {
     servos.get(usize::from(servo)).map(ServoDrive::class)
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test may fail by panicking")]
+mod tests {
+    use sinew_rig::toml_file;
+    use sinew_servo_bus::{Command, Effort, Feedback};
+
+    use super::*;
+    use crate::drives::{CurrentSettings, CutOff, DriveSettings, Encoder};
+    use crate::supervisor::detect::{HeatSettings, SupplySettings, WindingSettings};
+
+    /// Two servos that face each other on one joint, of which one was never read.
+    const PAIR: &str = r#"
+name = "pair"
+[[body]]
+name = "base"
+mass_kg = 1
+[[body]]
+name = "link"
+mass_kg = 0.1
+[[joint]]
+name = "hinge"
+type = "revolute"
+parent = "base"
+child = "link"
+axis = [0, 1, 0]
+[[servo]]
+name = "left"
+model = "XL330-M288-T"
+id = 1
+[[servo]]
+name = "right"
+model = "XL330-M288-T"
+id = 2
+[[drive]]
+joints = ["hinge"]
+servos = ["left", "right"]
+matrix = { rows = [[0.5, -0.5]] }
+"#;
+
+    #[test]
+    fn a_joint_that_is_not_measured_is_carried_where_it_is() {
+        let described = toml_file::read(PAIR).unwrap();
+        let rig = BoardRig::<2, 1, 2>::bake(&described, &described.mechanism().unwrap()).unwrap();
+        let timing = Timing { dt_s: 0.005, latency_ticks: 1 };
+        let current = CurrentSettings {
+            encoder: Encoder::default(),
+            blind_rad: 0.01,
+            current_a: 1.0,
+            cut_off: CutOff::default(),
+        };
+        let setup = ServoSetup {
+            drive: DriveSettings::Current(current),
+            bandwidth_rad_s: 0.0,
+            rest_rad: 0.0,
+            heat: HeatSettings::default(),
+            supply: SupplySettings::of(5.0, 3.5, 7.0),
+            winding: WindingSettings::of_stall(1.47),
+            stall_a: 1.47,
+            stall_nm: 0.52,
+            shutdown_c: 70.0,
+        };
+        let mut performance = Performance::uninit(&rig);
+        let settings = ControllerSettings::default();
+        performance.init(&settings, &[setup; 2], timing).map_err(|_| ()).unwrap();
+        let path = Path::<1, 1>::new(&rig, timing.dt_s).unwrap();
+        let q = [0.5];
+        let read = Feedback {
+            position_rad: Encoder::default().zero_rad + q[0],
+            velocity_rad_s: 0.0,
+            effort: Effort::Current(0.0),
+            age_ticks: 0,
+        };
+        let known = Condition { temperature_c: Some(30.0), ..Condition::default() };
+        let conditions = [Condition { feedback: Some(read), ..known }, known];
+        for _ in 0..100 {
+            let mut reports = [DofReport::default()];
+            let out = performance.carry(&path, (&q, &[0.0]), &conditions, |_| 1.0, &mut reports);
+            let out = out.map_err(|_| ()).unwrap();
+            for servo in out.iter().flatten() {
+                // Its axis is upright: it weighs nothing.
+                let a = if let Command::Current(a) = servo.command { a } else { f32::NAN };
+                assert!(a.abs() < 1e-4, "{servo:?}");
+            }
+        }
+    }
 }

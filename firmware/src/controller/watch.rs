@@ -128,7 +128,7 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
     pub(super) fn is_measured(&self, conditions: &[Condition]) -> bool {
         self.servos.iter().zip(conditions).all(|(servo, condition)| {
             let read = condition.feedback;
-            !servo.guard.tells || read.is_some_and(|read| read.age_ticks <= self.stale_ticks)
+            !servo.guard.tells() || read.is_some_and(|read| read.age_ticks <= self.stale_ticks)
         })
     }
 
@@ -143,12 +143,13 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
         conditions: &[Condition],
     ) -> impl Iterator<Item = (Condition, f32)> {
         let all = self.servos.iter().zip(conditions);
-        all.filter(|(servo, _)| servo.guard.tells).map(|(servo, read)| (*read, servo.stall_a))
+        all.filter(|(servo, _)| servo.guard.tells()).map(|(servo, read)| (*read, servo.stall_a))
     }
 
-    /// Servos of a tick.
+    /// Servos of a tick. `is_on`: with torque.
     pub(super) fn servos(
         &mut self,
+        is_on: bool,
         read: &[(Condition, Health)],
         findings: &mut Findings,
         out: &mut [ServoReport],
@@ -163,7 +164,7 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
                     findings.note_of(fault, name);
                 }
             };
-            if servo.guard.tells {
+            if servo.guard.tells() {
                 note(silence.step(health.missed_in_a_row));
                 // Voltage and temperature are read in the time that is left.
                 note((health.age_ticks > self.blind_ticks).then_some(Fault::ServoSilent));
@@ -183,7 +184,12 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
             }
             let current_a = condition.feedback.map_or(0.0, |read| match read.effort {
                 Effort::Current(a) => a,
-                Effort::Load(share) => share * servo.stall_a,
+                Effort::Load(part) => {
+                    let by_voltage = servo.guard.winding_a(part, &read, health.voltage_v);
+                    // Without torque nothing shorts the winding of a servo by voltage.
+                    let by_voltage = by_voltage.map(|a| if is_on { a } else { 0.0 });
+                    by_voltage.unwrap_or(part * servo.stall_a)
+                }
             });
             let found = [
                 servo.supply.step(health.voltage_v),

@@ -91,9 +91,12 @@ impl CurrentDrive {
 
     /// A tick. Numbers are finite: [`Drives`](super::Drives) checks them.
     pub fn command(&mut self, target: &ShaftTarget, condition: &Condition) -> ServoCommand {
-        let (current_a, limit) = self.current(target, condition);
-        let (current_a, limit) = self.allowed(current_a, limit, condition);
-        ServoCommand { command: Command::Current(current_a), limit }
+        let (mut current_a, mut limit) = self.current(target, condition);
+        let (share, cut) = self.share(condition);
+        if self.is_outwards(current_a, condition) {
+            (current_a, limit) = (0.0, Some(Limit::Range));
+        }
+        ServoCommand { command: Command::Current(current_a * share), limit: cut.or(limit) }
     }
 
     /// The current that gives the effort, A, and what limits it.
@@ -117,20 +120,13 @@ impl CurrentDrive {
         (current_a, limit)
     }
 
-    /// Cuts a current or a voltage to what range, age of readings and heat allow; called once a tick.
-    pub(super) fn allowed(
-        &mut self,
-        mut wanted: f32,
-        mut limit: Option<Limit>,
-        condition: &Condition,
-    ) -> (f32, Option<Limit>) {
+    /// Returns what part of the current age of readings and heat allow, 0 to 1, and why it is not all; it fades. Called
+    /// once a tick.
+    pub(super) fn share(&mut self, condition: &Condition) -> (f32, Option<Limit>) {
         let (share, cut) = self.settings.cut_off.share(condition, self.dt_s);
         let step = self.dt_s / FADE_S;
         self.share = share.max(self.share - step).min(self.share + step);
-        if self.is_outwards(wanted, condition) {
-            (wanted, limit) = (0.0, Some(Limit::Range));
-        }
-        (wanted * self.share, cut.or(limit))
+        (self.share, cut)
     }
 
     /// The speed at which the shaft is to return to its target.
@@ -143,7 +139,7 @@ impl CurrentDrive {
     }
 
     /// Whether a current or a voltage drives the servo on, beyond an end of its range.
-    fn is_outwards(&self, wanted: f32, condition: &Condition) -> bool {
+    pub(super) fn is_outwards(&self, wanted: f32, condition: &Condition) -> bool {
         let [least, most] = self.servo.settings().range_rad;
         condition.feedback.is_some_and(|feedback| {
             let own_rad = feedback.position_rad - self.settings.encoder.zero_rad;

@@ -27,20 +27,6 @@ pub struct VoltageSettings {
     pub supply_v: f32,
 }
 
-impl VoltageSettings {
-    /// The most current in the winding, A: the servo's own torque limits it, too.
-    fn most_a(&self, servo: &Servo) -> f32 {
-        let own = servo.settings();
-        self.current.current_a.min(own.torque_nm / own.torque_constant_nm_a)
-    }
-
-    /// The most part of the supply that the servo's own torque and speed take, 0 to 1.
-    pub(crate) fn most_duty(&self, servo: &Servo) -> f32 {
-        let turning_v = self.back_emf_v_s * servo.settings().speed_rad_s;
-        ((self.resistance_ohm * self.most_a(servo) + turning_v) / self.supply_v).min(1.0)
-    }
-}
-
 /// Voltage control: the current of a [`CurrentDrive`] through the winding's resistance, and the back-EMF at the wanted
 /// speed, over the supply.
 ///
@@ -48,8 +34,9 @@ impl VoltageSettings {
 /// the winding and without a bus in between.
 ///
 /// The motor is asked for no more current than in current mode, by the speed that was read last; nor for more of the
-/// supply than its own torque and speed take. Beyond an end of its range, without fresh readings, and where it is hot,
-/// it gives less as in current mode: at no voltage the winding is shorted, and brakes. O(1).
+/// supply than its own torque and speed take. Where it is hot, its current fades to nothing: it gets the back-EMF of
+/// the speed that was read, and coasts. Without fresh readings the whole voltage fades, and beyond an end of its range
+/// there is none: the winding is shorted, and brakes. O(1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VoltageDrive {
     effort: CurrentDrive,
@@ -75,12 +62,15 @@ impl VoltageDrive {
         SettingError::check("back_emf_v_s", settings.back_emf_v_s, [0.0, 1e3])?;
         SettingError::check("supply_v", settings.supply_v, [1.0, 100.0])?;
         let VoltageSettings { resistance_ohm, back_emf_v_s, supply_v, .. } = *settings;
-        let most_v = resistance_ohm * settings.most_a(servo);
-        let most_duty = settings.most_duty(servo);
+        let own = servo.settings();
+        // The servo's own torque limits the current, too.
+        let most_a = settings.current.current_a.min(own.torque_nm / own.torque_constant_nm_a);
+        let most_v = resistance_ohm * most_a;
+        let most_duty = ((most_v + back_emf_v_s * own.speed_rad_s) / supply_v).min(1.0);
         Ok(Self { effort, resistance_ohm, back_emf_v_s, supply_v, most_v, most_duty })
     }
 
-    /// Begins anew: the voltage rises from nothing.
+    /// Begins anew: the current rises from nothing.
     pub fn begin(&mut self) {
         self.effort.begin();
     }
@@ -88,13 +78,19 @@ impl VoltageDrive {
     /// A tick. Numbers are finite: [`Drives`](super::Drives) checks them.
     pub fn command(&mut self, target: &ShaftTarget, condition: &Condition) -> ServoCommand {
         let (current_a, mut limit) = self.effort.current(target, condition);
+        let (share, cut) = self.effort.share(condition);
+        // An old reading does not tell the back-EMF: then the voltage fades, and not the current.
+        let [of_current, of_voltage] =
+            if cut == Some(Limit::Stale) { [1.0, share] } else { [share, 1.0] };
         let wanted_rad_s = self.servo().settings().gear * target.velocity_rad_s;
-        let mut volts = self.resistance_ohm * current_a + self.back_emf_v_s * wanted_rad_s;
+        let mut volts =
+            self.resistance_ohm * of_current * current_a + self.back_emf_v_s * wanted_rad_s;
 
         if let Some(read) = condition.feedback {
             // The winding takes the most current where the voltage differs from the back-EMF by so much.
+            let most_v = self.most_v * of_current;
             let emf_v = self.back_emf_v_s * read.velocity_rad_s;
-            let [least_v, most_v] = [emf_v - self.most_v, emf_v + self.most_v];
+            let [least_v, most_v] = [emf_v - most_v, emf_v + most_v];
             if volts < least_v || volts > most_v {
                 (volts, limit) = (volts.max(least_v).min(most_v), Some(Limit::Current));
             }
@@ -105,8 +101,10 @@ impl VoltageDrive {
         if duty.abs() > most {
             (duty, limit) = (duty.max(-most).min(most), Some(Limit::Voltage));
         }
-        let (duty, limit) = self.effort.allowed(duty, limit, condition);
-        ServoCommand { command: Command::Pwm(duty), limit }
+        if self.effort.is_outwards(duty, condition) {
+            (duty, limit) = (0.0, Some(Limit::Range));
+        }
+        ServoCommand { command: Command::Pwm(duty * of_voltage), limit: cut.or(limit) }
     }
 
     pub(super) fn servo(&self) -> &Servo {

@@ -74,7 +74,9 @@ pub use command::{Answer, Command, Refused};
 pub use event::{Event, Feeds};
 pub(crate) use fault::FaultNews;
 pub use fault::{Clears, Fault, FaultLog, FaultRecord, FaultSet, Findings, Reaction, Row, TABLE};
-pub use guard::{Guard, GuardReason, GuardSettings, Guarded};
+pub use guard::{
+    GoalLimits, Guard, GuardLimits, GuardReason, GuardSettings, Guarded, VoltageLimits,
+};
 pub use moving::Moving;
 pub use permission::Permission;
 pub use registers::{RegisterDiffers, Registers};

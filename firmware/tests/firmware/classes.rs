@@ -139,6 +139,50 @@ fn a_voltage_drive_gives_what_drives_the_current_and_holds_against_the_back_emf(
     assert!(part(warm.command) > 0.3 && warm.limit == Some(Limit::Heat));
 }
 
+/// At -3 rad/s the back-EMF is 1.5 V: half of the voltage would brake with 0.19 A, and none of it with 0.38 A.
+#[test]
+fn a_hot_servo_by_voltage_coasts_as_one_by_current_does() {
+    let turning = |velocity_rad_s: f32, temperature_c: f32, age_ticks: u32| {
+        let mut condition = at(0.0, temperature_c);
+        let read = condition.feedback.as_mut().unwrap();
+        (read.velocity_rad_s, read.age_ticks) = (velocity_rad_s, age_ticks);
+        condition
+    };
+    // What the winding takes: of 10 V, 0.5 V s/rad and 4 ohm.
+    let taken_a =
+        |command, velocity_rad_s: f32| (10.0 * part(command) - 0.5 * velocity_rad_s) / 4.0;
+    for (temperature_c, share) in [(55.0, 1.0), (60.0, 0.5), (65.0, 0.0), (80.0, 0.0)] {
+        for effort_nm in [0.0, 0.1, -0.1, 5.0, -5.0] {
+            let target = ShaftTarget { feedforward_nm: effort_nm, ..ShaftTarget::default() };
+            let moving = ShaftTarget { velocity_rad_s: 1.5, ..target };
+            let mut drive = VoltageDrive::new(&servo(|_| {}), &VOLTAGE, TIMING).unwrap();
+            let mut by_current = CurrentDrive::new(&servo(|_| {}), &CURRENT, TIMING).unwrap();
+            let read = turning(-3.0, temperature_c, 0);
+            for _ in 0..100 {
+                // Its target is as fast as it is.
+                let own = drive.command(&moving, &read);
+                let a = taken_a(own.command, -3.0);
+                let other_a = current(by_current.command(&moving, &read).command);
+                assert!((a - other_a).abs() < 1e-4, "{temperature_c} degC: {a} A, {other_a} A");
+            }
+            // Its target stands, and it does not: the motor may brake, with its share.
+            let a = taken_a(drive.command(&target, &read).command, -3.0);
+            assert!(a.abs() <= share + 1e-5, "{temperature_c} degC: {a} A");
+        }
+    }
+    // Nobody knows how fast it turns: after 0.2 s the winding is shorted.
+    let mut drive = VoltageDrive::new(&servo(|_| {}), &VOLTAGE, TIMING).unwrap();
+    let target = ShaftTarget { velocity_rad_s: 1.5, ..ShaftTarget::default() };
+    let parts: Vec<f32> = [0, 21]
+        .map(|age_ticks| [turning(-3.0, 30.0, age_ticks); 50])
+        .iter()
+        .flatten()
+        .map(|read| part(drive.command(&target, read).command))
+        .collect();
+    assert!(parts[49] < -0.15 && (parts[69] / parts[49] - 0.5).abs() < 1e-3, "{parts:?}");
+    assert!(parts[99].abs() < 1e-6, "{parts:?}");
+}
+
 #[test]
 fn a_position_drive_gives_target_and_offset_and_no_feedback() {
     for gain_ratio in [1.0, 2.0] {

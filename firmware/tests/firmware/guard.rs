@@ -7,7 +7,9 @@ use sinew_firmware::drives::{
     Condition, CurrentSettings, CutOff, DriveSettings, Drives, Encoder, PositionSettings,
     TargetSettings, VoltageSettings,
 };
-use sinew_firmware::supervisor::{Guard, GuardReason, GuardSettings, Permission, Source};
+use sinew_firmware::supervisor::{
+    GoalLimits, Guard, GuardLimits, GuardReason, GuardSettings, Permission, Source, VoltageLimits,
+};
 use sinew_servo_bus::{Command, Effort, Feedback};
 
 use crate::common::{Rig, kinds, read, rig};
@@ -43,30 +45,49 @@ fn drive(class: u8) -> DriveSettings {
     }
 }
 
-fn settings() -> GuardSettings {
+const GOAL: GuardLimits = GuardLimits::Goal(GoalLimits {
+    acceleration_rad_s2: 50.0,
+    offset_rad_s: 0.0,
+    lead_rad: 0.5,
+    tells: true,
+});
+const CURRENT: GuardLimits = GuardLimits::Current { most_a: 0.8 };
+/// 4 V of current and 2 V of speed, of 10.
+const VOLTAGE: GuardLimits = GuardLimits::Voltage(VoltageLimits {
+    most_a: 0.8,
+    resistance_ohm: 5.0,
+    back_emf_v_s: 0.5,
+    supply_v: 10.0,
+});
+
+fn settings(limits: GuardLimits) -> GuardSettings {
     GuardSettings {
         zero_rad: 3.0,
         range_rad: [-1.0, 1.5],
         gear: 2.0,
         speed_rad_s: 4.0,
-        acceleration_rad_s2: 50.0,
-        offset_rad_s: 0.0,
-        lead_rad: 0.5,
-        effort: 0.8,
-        stale_s: 0.1,
-        tells: true,
+        stale_s: 0.4,
+        limits,
     }
 }
 
-fn guard() -> Guard {
-    Guard::new(settings(), DT_S).unwrap()
+fn guard(limits: GuardLimits) -> Guard {
+    Guard::new(settings(limits), DT_S).unwrap()
 }
 
 /// At an own position, at rest.
-fn at(own_rad: f32) -> Feedback {
-    let effort = Effort::Current(0.0);
-    Feedback { position_rad: own_rad + 3.0, velocity_rad_s: 0.0, effort, age_ticks: 0 }
+fn at(own_rad: f32) -> Condition {
+    turning(own_rad, 0.0, 0)
 }
+
+fn turning(own_rad: f32, velocity_rad_s: f32, age_ticks: u32) -> Condition {
+    let effort = Effort::Current(0.0);
+    let position_rad = own_rad + 3.0;
+    let feedback = Some(Feedback { position_rad, velocity_rad_s, effort, age_ticks });
+    Condition { feedback, temperature_c: Some(30.0), supply_v: None }
+}
+
+const UNREAD: Condition = Condition { feedback: None, temperature_c: None, supply_v: None };
 
 fn own(command: Option<Command>) -> f32 {
     match command {
@@ -78,9 +99,9 @@ fn own(command: Option<Command>) -> f32 {
 #[test]
 fn it_says_what_it_changed() {
     let from_rest = |wanted: f32, permission: &Permission| {
-        let mut guard = guard();
-        guard.check(Command::Position(3.0), Some(at(0.0)), permission);
-        let guarded = guard.check(Command::Position(3.0 + wanted), Some(at(0.0)), permission);
+        let mut guard = guard(GOAL);
+        guard.check(Command::Position(3.0), &at(0.0), permission);
+        let guarded = guard.check(Command::Position(3.0 + wanted), &at(0.0), permission);
         (own(guarded.command), guarded.reason)
     };
     // Of 50 rad/s²: 1.25 mm of a radian in the first tick, and rounding.
@@ -92,68 +113,135 @@ fn it_says_what_it_changed() {
     let (rad, reason) = from_rest(0.001, &soft);
     assert!((rad - 0.0005).abs() < 2e-5 && reason == Some(GuardReason::Speed), "{rad}");
 
-    let mut guard = guard();
+    let mut guard = guard(GOAL);
     // A goal far from where the servo is: it begins there.
-    let unread = guard.check(Command::Position(3.0), None, &FREE);
+    let unread = guard.check(Command::Position(3.0), &UNREAD, &FREE);
     assert_eq!((unread.command, unread.reason), (None, Some(GuardReason::Stale)));
-    let far = guard.check(Command::Position(4.0), Some(at(0.0)), &FREE);
+    let far = guard.check(Command::Position(4.0), &at(0.0), &FREE);
     assert!(own(far.command) < 0.01, "{far:?}");
     for command in [Command::Position(f32::NAN), Command::Pwm(f32::INFINITY)] {
-        let guarded = guard.check(command, Some(at(0.0)), &FREE);
+        let guarded = guard.check(command, &at(0.0), &FREE);
         assert_eq!((guarded.command, guarded.reason), (None, Some(GuardReason::NotFinite)));
     }
     let limp = Permission { torque: false, ..FREE };
     for command in [Command::Torque(true), Command::Position(3.0), Command::Current(0.0)] {
-        let guarded = guard.check(command, Some(at(0.0)), &limp);
+        let guarded = guard.check(command, &at(0.0), &limp);
         assert_eq!((guarded.command, guarded.reason), (None, Some(GuardReason::NotAllowed)));
     }
-    let off = guard.check(Command::Torque(false), None, &limp);
+    let off = guard.check(Command::Torque(false), &UNREAD, &limp);
     assert_eq!((off.command, off.reason), (Some(Command::Torque(false)), None));
 }
 
 #[test]
 fn a_servo_that_is_held_back_is_not_left_behind() {
-    let mut guard = guard();
-    let mut last = guard.check(Command::Position(3.0), Some(at(0.0)), &FREE);
+    let mut guard = guard(GOAL);
+    let mut last = guard.check(Command::Position(3.0), &at(0.0), &FREE);
     for tick in 1..400_u16 {
-        last = guard.check(Command::Position(3.0 + 0.0025 * f32::from(tick)), Some(at(0.0)), &FREE);
+        last = guard.check(Command::Position(3.0 + 0.0025 * f32::from(tick)), &at(0.0), &FREE);
     }
     assert_eq!((own(last.command), last.reason), (0.5, Some(GuardReason::Lead)));
 }
 
 #[test]
-fn a_current_and_a_voltage_are_held() {
-    let mut guard = guard();
-    // What holds of one holds of the other, but for the reason.
+fn a_current_is_held() {
+    let mut guard = guard(CURRENT);
     let mut given = |wanted: f32, own_rad: f32, velocity_rad_s: f32, age_ticks: u32| {
-        let read = Feedback { velocity_rad_s, age_ticks, ..at(own_rad) };
-        let by_current = guard.check(Command::Current(wanted), Some(read), &FREE);
-        let by_voltage = guard.check(Command::Pwm(wanted), Some(read), &FREE);
-        let Some(Command::Current(a)) = by_current.command else { panic!("{by_current:?}") };
-        assert_eq!(by_voltage.command, Some(Command::Pwm(a)));
-        let reason = match by_current.reason {
-            Some(GuardReason::Current) => Some(GuardReason::Voltage),
-            reason => reason,
-        };
-        assert_eq!(by_voltage.reason, reason);
-        (a, by_current.reason)
+        let read = turning(own_rad, velocity_rad_s, age_ticks);
+        let guarded = guard.check(Command::Current(wanted), &read, &FREE);
+        let Some(Command::Current(a)) = guarded.command else { panic!("{guarded:?}") };
+        (a, guarded.reason)
     };
     assert_eq!(given(0.5, 0.0, 0.0, 0), (0.5, None));
-    assert!((given(-2.0, 0.0, 0.0, 0).0 + 0.8).abs() < 1e-5);
+    let (a, reason) = given(-2.0, 0.0, 0.0, 0);
+    assert!((a + 0.8).abs() < 1e-5 && reason == Some(GuardReason::Current));
     assert_eq!(given(0.5, 1.6, 0.0, 0), (0.0, Some(GuardReason::Range)));
     assert_eq!(given(-0.5, 1.6, 0.0, 0), (-0.5, None));
     assert_eq!(given(0.5, 0.0, 5.2, 0), (0.0, Some(GuardReason::Speed)));
     assert_eq!(given(-0.5, 0.0, 5.2, 0), (-0.5, None), "it brakes");
-    assert_eq!(given(0.5, 0.0, 0.0, 21), (0.0, Some(GuardReason::Stale)));
-    assert_eq!(guard.check(Command::Current(0.5), None, &FREE).reason, Some(GuardReason::Stale));
+    assert_eq!(given(0.5, 0.0, 0.0, 81), (0.0, Some(GuardReason::Stale)));
+    assert_eq!(guard.check(Command::Current(0.5), &UNREAD, &FREE).reason, Some(GuardReason::Stale));
+}
+
+/// Of 10 V: 0.4 drive the most current, 0.05 of each rad/s are back-EMF.
+#[test]
+fn a_voltage_is_held_to_that_of_the_most_current() {
+    let mut guard = guard(VOLTAGE);
+    let mut given = |wanted: f32, read: Condition, permission: &Permission| {
+        let guarded = guard.check(Command::Pwm(wanted), &read, permission);
+        let Some(Command::Pwm(part)) = guarded.command else { panic!("{guarded:?}") };
+        // Without what it leaves to rounding.
+        ((1e5 * part).round() * 1e-5, guarded.reason)
+    };
+    let near = |(part, reason): (f32, _), expected: f32, why| {
+        assert!((part - expected).abs() < 1e-6 && reason == why, "{part} {expected} {reason:?}");
+    };
+    let voltage = Some(GuardReason::Voltage);
+    // All of the supply would be 2 A at standstill.
+    near(given(1.0, at(0.0), &FREE), 0.4, voltage);
+    near(given(-1.0, at(0.0), &FREE), -0.4, voltage);
+    near(given(0.39, at(0.0), &FREE), 0.39, None);
+    near(given(1.0, turning(0.0, 4.0, 0), &FREE), 0.6, voltage);
+    near(given(-1.0, turning(0.0, 4.0, 0), &FREE), -0.2, voltage);
+    // Its reading of the supply counts, unless it cannot be.
+    let at_v = |supply_v| Condition { supply_v: Some(supply_v), ..at(0.0) };
+    near(given(1.0, at_v(8.0), &FREE), 0.5, voltage);
+    near(given(1.0, at_v(0.1), &FREE), 0.6, voltage);
+    // Twice as fast as it may be it gets nothing that drives, by hand too, and no brake beyond its current.
+    let fast = turning(0.0, 10.0, 0);
+    near(given(0.6, fast, &FREE), 0.5, Some(GuardReason::Speed));
+    near(given(0.0, fast, &FREE), 0.1, voltage);
+    near(given(0.2, fast, &FREE), 0.2, None);
+    // Less and less drives it when it is lowered; its winding may brake it.
+    let [half, limp] = [0.5, 0.0].map(|effort| Permission { effort, ..FREE });
+    near(given(1.0, at(0.0), &half), 0.2, voltage);
+    near(given(0.0, turning(0.0, 5.0, 0), &limp), 0.0, None);
+    near(given(0.4, turning(0.0, 5.0, 0), &limp), 0.25, voltage);
+    // Beyond an end and without a reading there is none; a drive that lets go may short it.
+    near(given(0.3, at(1.6), &FREE), 0.0, Some(GuardReason::Range));
+    near(given(-0.3, at(1.6), &FREE), -0.3, None);
+    near(given(0.0, turning(1.6, 10.0, 0), &FREE), 0.0, None);
+    near(given(0.3, turning(0.0, 0.0, 81), &FREE), 0.0, Some(GuardReason::Stale));
+    near(given(0.0, turning(0.0, 10.0, 21), &FREE), 0.0, None);
+    near(given(1.0, turning(0.0, 0.0, 21), &FREE), 0.4, voltage);
+}
+
+#[test]
+fn a_servo_gets_no_command_that_its_drive_does_not_give() {
+    let all = [
+        (Command::Position(3.0), GOAL),
+        (Command::Current(0.0), CURRENT),
+        (Command::Pwm(0.0), VOLTAGE),
+    ];
+    for (command, _) in all {
+        for (own, limits) in all {
+            let guarded = guard(limits).check(command, &at(0.0), &FREE);
+            let refused = (command != own).then_some(GuardReason::Kind);
+            assert_eq!((guarded.command.is_none(), guarded.reason), (refused.is_some(), refused));
+        }
+    }
 }
 
 #[test]
 fn settings_that_cannot_be_are_refused() {
-    let bad = GuardSettings { speed_rad_s: f32::NAN, ..settings() };
-    assert_eq!(Guard::new(bad, DT_S).unwrap_err().what, "speed_rad_s");
-    assert!(Guard::new(GuardSettings { range_rad: [1.0, -1.0], ..settings() }, DT_S).is_err());
-    assert!(Guard::new(settings(), 0.0).is_err());
+    let refused = |settings: GuardSettings| Guard::new(settings, DT_S).unwrap_err().what;
+    assert_eq!(refused(GuardSettings { speed_rad_s: f32::NAN, ..settings(GOAL) }), "speed_rad_s");
+    let backwards = GuardSettings { range_rad: [1.0, -1.0], ..settings(GOAL) };
+    assert_eq!(refused(backwards), "most of range_rad");
+    let most_a = f32::NAN;
+    assert_eq!(refused(settings(GuardLimits::Current { most_a })), "most_a");
+    let GuardLimits::Goal(goal) = GOAL else { unreachable!("a goal") };
+    let GuardLimits::Voltage(voltage) = VOLTAGE else { unreachable!("a voltage") };
+    let lead_rad = 0.0;
+    assert_eq!(refused(settings(GuardLimits::Goal(GoalLimits { lead_rad, ..goal }))), "lead_rad");
+    for (limits, what) in [
+        (VoltageLimits { most_a, ..voltage }, "most_a"),
+        (VoltageLimits { resistance_ohm: 0.0, ..voltage }, "resistance_ohm"),
+        (VoltageLimits { back_emf_v_s: -1.0, ..voltage }, "back_emf_v_s"),
+        (VoltageLimits { supply_v: 0.0, ..voltage }, "supply_v"),
+    ] {
+        assert_eq!(refused(settings(GuardLimits::Voltage(limits))), what);
+    }
+    assert!(Guard::new(settings(GOAL), 0.0).is_err());
 }
 
 /// Any number, and often one of a machine.
@@ -182,21 +270,22 @@ proptest! {
     /// A hostile caller, of a servo that follows perfectly.
     #[test]
     fn nothing_gets_past_it(
+        limits in prop::sample::select(vec![GOAL, CURRENT, VOLTAGE]),
         commands in prop::collection::vec((any_command(), prop::option::weighted(0.9, number())), 1..200),
         speed in prop::option::of(0.01_f32..10.0),
         begins in -1.0_f32..1.5,
     ) {
-        let mut guard = guard();
+        let mut guard = guard(limits);
         let permission = Permission { speed_rad_s: speed, ..FREE };
         let fastest = speed.map_or(4.0, |speed| (2.0 * speed).min(4.0));
         let (mut is, mut moved) = (begins, 0.0_f32);
         for (command, velocity) in commands {
             let velocity_rad_s = velocity.unwrap_or(0.0);
-            let read = velocity.map(|_| Feedback { velocity_rad_s, ..at(is) });
-            let guarded = guard.check(command, read, &permission);
+            let read = velocity.map_or(UNREAD, |_| turning(is, velocity_rad_s, 0));
+            let guarded = guard.check(command, &read, &permission);
             match guarded.command {
-                Some(Command::Position(rad) | Command::PositionAt { position_rad: rad, .. }
-                    | Command::PositionWithin { position_rad: rad, .. }) => {
+                Some(Command::Position(rad) | Command::PositionAt { position_rad: rad, .. }) => {
+                    prop_assert_eq!(limits, GOAL);
                     let goal = rad - 3.0;
                     // A rounding of f32 at 3 rad, and the guard's own.
                     prop_assert!((-1.000_001..=1.500_001).contains(&goal), "{goal}");
@@ -207,7 +296,16 @@ proptest! {
                     prop_assert!(way.abs() <= along + 50.0 * DT_S * DT_S + 2.3e-5, "{way} {moved}");
                     (is, moved) = (goal, way);
                 }
-                Some(Command::Current(a) | Command::Pwm(a)) => prop_assert!(a.abs() <= 0.800_01),
+                Some(Command::Current(a)) => {
+                    prop_assert!(limits == CURRENT && a.abs() <= 0.800_01);
+                }
+                Some(Command::Pwm(part)) => {
+                    prop_assert!(limits == VOLTAGE && part.abs() <= 0.600_01, "{part}");
+                    // Where all of the window is within that part.
+                    let emf = 0.05 * velocity_rad_s;
+                    let held = (part - emf).abs() <= 0.400_01 || emf.abs() > 0.2 || emf.is_nan();
+                    prop_assert!(held, "{part} {emf}");
+                }
                 Some(Command::Torque(on)) => {
                     if !on {
                         moved = 0.0;
@@ -218,9 +316,6 @@ proptest! {
             }
             if let Some(Command::PositionAt { speed_rad_s, .. }) = guarded.command {
                 prop_assert!((0.0..=1.2 * fastest + 0.01).contains(&speed_rad_s));
-            }
-            if let Some(Command::PositionWithin { current_a, .. }) = guarded.command {
-                prop_assert!((0.0..=0.8).contains(&current_a));
             }
         }
     }
@@ -254,7 +349,7 @@ proptest! {
             drives.step(&vec![asked; rig.dofs().len()], &conditions, &mut commands).unwrap();
             for ((guard, condition), command) in guards.iter_mut().zip(&mut conditions).zip(&commands) {
                 let Some(servo) = command else { continue };
-                let guarded = guard.check(servo.command, condition.feedback, &FREE);
+                let guarded = guard.check(servo.command, condition, &FREE);
                 prop_assert_eq!(guarded.command, Some(servo.command), "{:?}", guarded.reason);
                 prop_assert_eq!(guarded.reason, None);
                 // The servo follows at once.

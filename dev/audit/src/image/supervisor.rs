@@ -2,7 +2,7 @@
 
 use core::hint::black_box;
 
-use sinew_firmware::drives::DriveSettings;
+use sinew_firmware::drives::{Condition, DriveSettings};
 use sinew_firmware::supervisor::detect::{
     Derated, Following, FollowingSettings, Heat, HeatSettings, Overrun, OverrunSettings, Silence,
     Supply, SupplySettings, Winding, WindingSettings,
@@ -12,7 +12,7 @@ use sinew_firmware::supervisor::{
     Permission, Settings, Supervisor,
 };
 use sinew_rig::servo::Servo;
-use sinew_servo_bus::{Command, Feedback};
+use sinew_servo_bus::Command;
 
 use super::slice;
 
@@ -76,6 +76,6 @@ pub(crate) fn guard() {
         return;
     };
     let Some(permission) = black_box(None::<Permission>) else { return };
-    let (command, feedback) = black_box((Command::Torque(true), None::<Feedback>));
-    black_box(guard.check(command, feedback, &permission));
+    let (command, condition) = black_box((Command::Torque(true), Condition::default()));
+    black_box(guard.check(command, &condition, &permission));
 }

@@ -3,12 +3,14 @@
 
 mod settings;
 
-pub use settings::{GuardReason, GuardSettings};
+pub use settings::{GoalLimits, GuardLimits, GuardReason, GuardSettings, VoltageLimits};
 
+use settings::FADE_S;
 use sinew_servo_bus::{Command, Feedback};
 
 use super::Permission;
 use crate::SettingError;
+use crate::drives::Condition;
 
 /// What f32 rounds of a position, and of the sums that lead to it, rad.
 const ROUNDING_RAD: f32 = 1e-5;
@@ -51,14 +53,15 @@ impl Guard {
         Ok(Self { settings, dt_s, sent: None })
     }
 
-    /// A cycle: what may be sent of a command. To be asked once a cycle and servo, with the servo's last reading. O(1).
+    /// A cycle: what may be sent of a command. To be asked once a cycle and servo, with what was read of it last. O(1).
     pub fn check(
         &mut self,
         command: Command,
-        feedback: Option<Feedback>,
+        condition: &Condition,
         permission: &Permission,
     ) -> Guarded {
-        let feedback = feedback
+        let feedback = condition
+            .feedback
             .filter(|read| read.position_rad.is_finite() && read.velocity_rad_s.is_finite());
         if command == Command::Torque(false) {
             self.sent = None;
@@ -77,47 +80,56 @@ impl Guard {
         if !is_finite {
             return Guarded { command: None, reason: Some(GuardReason::NotFinite) };
         }
-        let is_new = feedback.is_some_and(|read| self.is_new(read));
-        let is_goal = matches!(
-            command,
-            Command::Position(_) | Command::PositionAt { .. } | Command::PositionWithin { .. }
-        );
-        if is_goal && self.sent.is_none() && self.settings.tells && !is_new {
-            return Guarded { command: None, reason: Some(GuardReason::Stale) };
-        }
-        let (command, reason) = match command {
-            Command::Torque(_) | Command::Stiffness(_) => (command, None),
-            Command::Position(rad) => {
-                let (rad, reason) = self.position(rad, feedback, permission);
+        let fresh = feedback.filter(|read| self.age_s(*read) <= self.settings.stale_s);
+        let (command, reason) = match (command, self.settings.limits) {
+            (Command::Torque(_) | Command::Stiffness(_), _) => (command, None),
+            (Command::Position(_) | Command::PositionAt { .. }, GuardLimits::Goal(goal))
+                if self.sent.is_none() && goal.tells && fresh.is_none() =>
+            {
+                return Guarded { command: None, reason: Some(GuardReason::Stale) };
+            }
+            (Command::Position(rad), GuardLimits::Goal(goal)) => {
+                let (rad, reason) = self.position(&goal, rad, feedback, permission);
                 (Command::Position(rad), reason)
             }
-            Command::PositionAt { position_rad, speed_rad_s } => {
-                let (position_rad, reason) = self.position(position_rad, feedback, permission);
-                let most = HASTE * self.goal_speed(permission) + ROUNDING_RAD / self.dt_s;
+            (Command::PositionAt { position_rad, speed_rad_s }, GuardLimits::Goal(goal)) => {
+                let (position_rad, reason) =
+                    self.position(&goal, position_rad, feedback, permission);
+                let speed = self.speed(permission) + goal.offset_rad_s;
+                let most = HASTE * speed + ROUNDING_RAD / self.dt_s;
                 let (speed_rad_s, fast) = within(speed_rad_s, [0.0, most], GuardReason::Speed);
                 (Command::PositionAt { position_rad, speed_rad_s }, reason.or(fast))
             }
-            Command::PositionWithin { position_rad, current_a } => {
-                let (position_rad, reason) = self.position(position_rad, feedback, permission);
-                let most = self.settings.effort * permission.effort;
-                let (current_a, much) = within(current_a, [0.0, most], GuardReason::Current);
-                (Command::PositionWithin { position_rad, current_a }, reason.or(much))
+            (Command::Current(wanted_a), GuardLimits::Current { most_a }) => {
+                let (held_a, reason) = self.effort(wanted_a, fresh, permission, |_| {
+                    // A millionth is rounding of the drive's own limit.
+                    let most_a = most_a * permission.effort * (1.0 + 1e-6);
+                    (0.0, [-most_a, most_a], GuardReason::Current)
+                });
+                (Command::Current(held_a), reason)
             }
-            Command::Current(a) => {
-                let (a, reason) = self.effort(a, feedback, permission, GuardReason::Current);
-                (Command::Current(a), reason)
-            }
-            Command::Pwm(part) => {
-                let (part, reason) = self.effort(part, feedback, permission, GuardReason::Voltage);
-                (Command::Pwm(part), reason)
+            (Command::Pwm(wanted), GuardLimits::Voltage(limits)) => {
+                let (held, reason) = self.effort(wanted, fresh, permission, |read| {
+                    // A ten-thousandth of a second is rounding.
+                    let old_s = self.settings.stale_s - FADE_S - 1e-4;
+                    let is_blind = condition.temperature_c.is_none() || self.age_s(read) > old_s;
+                    let (coasting, ends) = limits.parts(
+                        read.velocity_rad_s,
+                        condition.supply_v,
+                        self.settings.speed_rad_s,
+                        (permission.effort, is_blind),
+                    );
+                    (coasting, ends, GuardReason::Voltage)
+                });
+                (Command::Pwm(held), reason)
             }
             _ => return Guarded { command: None, reason: Some(GuardReason::Kind) },
         };
         Guarded { command: Some(command), reason }
     }
 
-    fn is_new(&self, read: Feedback) -> bool {
-        read.age_ticks as f32 * self.dt_s <= self.settings.stale_s
+    fn age_s(&self, read: Feedback) -> f32 {
+        read.age_ticks as f32 * self.dt_s
     }
 
     /// The fastest that the servo may turn, rad/s.
@@ -126,19 +138,15 @@ impl Guard {
         allowed.map_or(self.settings.speed_rad_s, |speed| speed.min(self.settings.speed_rad_s))
     }
 
-    /// The fastest that its goal may move, rad/s.
-    fn goal_speed(&self, permission: &Permission) -> f32 {
-        self.speed(permission) + self.settings.offset_rad_s
-    }
-
     /// A goal, held against the last one, where the servo was measured, and its range.
     fn position(
         &mut self,
+        goal: &GoalLimits,
         bus_rad: f32,
         feedback: Option<Feedback>,
         permission: &Permission,
     ) -> (f32, Option<GuardReason>) {
-        let GuardSettings { zero_rad, range_rad, lead_rad, .. } = self.settings;
+        let GuardSettings { zero_rad, range_rad, .. } = self.settings;
         let wanted_rad = bus_rad - zero_rad;
         let measured = feedback.map(|read| (read.position_rad - zero_rad, read.age_ticks));
         // The first goal goes out from where the servo is; of one that tells nothing, from where it is sent.
@@ -146,14 +154,13 @@ impl Guard {
             own_rad: measured.map_or(wanted_rad, |(own_rad, _)| own_rad),
             velocity_rad_s: 0.0,
         });
-        let speed = self.goal_speed(permission);
+        let speed = self.speed(permission) + goal.offset_rad_s;
         let way = wanted_rad - from.own_rad;
         let most = speed * self.dt_s + ROUNDING_RAD;
         let (way, mut reason) = within(way, [-most, most], GuardReason::Speed);
 
         let along = if way < 0.0 { -from.velocity_rad_s } else { from.velocity_rad_s };
-        let gained =
-            self.settings.acceleration_rad_s2 * self.dt_s + 2.0 * self.settings.offset_rad_s;
+        let gained = goal.acceleration_rad_s2 * self.dt_s + 2.0 * goal.offset_rad_s;
         let most = (along.max(0.0) + gained) * self.dt_s + ROUNDING_RAD;
         let (way, soon) = within(way, [-most, most], GuardReason::Acceleration);
         reason = soon.or(reason);
@@ -161,7 +168,7 @@ impl Guard {
         let mut own_rad = from.own_rad + way;
         // Towards a servo that somebody holds or pushes it may jump: there is less to pull on afterwards.
         if let Some((measured_rad, age_ticks)) = measured {
-            let lead = lead_rad + speed * age_ticks as f32 * self.dt_s;
+            let lead = goal.lead_rad + speed * age_ticks as f32 * self.dt_s;
             let near = [measured_rad - lead, measured_rad + lead];
             let (held, far) = within(own_rad, near, GuardReason::Lead);
             (own_rad, reason) = (held, far.or(reason));
@@ -176,31 +183,39 @@ impl Guard {
         (goal_rad, beyond.or(reason).filter(|_| is_held))
     }
 
-    /// A current or a part of the supply, held to the most and to what the servo was read at.
+    /// A current or a part of the supply, held to what the servo was read at. `limits`: with which it coasts, the ends
+    /// of what it may get, and the reason of a command beyond them.
     fn effort(
         &self,
         wanted: f32,
-        feedback: Option<Feedback>,
+        fresh: Option<Feedback>,
         permission: &Permission,
-        much: GuardReason,
+        limits: impl Fn(Feedback) -> (f32, [f32; 2], GuardReason),
     ) -> (f32, Option<GuardReason>) {
         let GuardSettings { zero_rad, range_rad: [least, most], .. } = self.settings;
-        let Some(read) = feedback.filter(|read| self.is_new(*read)) else {
+        let Some(read) = fresh else {
             let reason = (wanted.abs() > 0.0).then_some(GuardReason::Stale);
             return (0.0, reason);
         };
-        let own_rad = read.position_rad - zero_rad;
-        if own_rad > most && wanted > 0.0 || own_rad < least && wanted < 0.0 {
-            return (0.0, Some(GuardReason::Range));
-        }
+        let (coasting, ends, much) = limits(read);
+        let (mut held, mut reason) = within(wanted, ends, much);
         let (factor, noise_rad_s) = OVERSPEED;
         let fastest = factor * self.speed(permission) + noise_rad_s;
-        if read.velocity_rad_s.abs() > fastest && read.velocity_rad_s * wanted > 0.0 {
-            return (0.0, Some(GuardReason::Speed));
+        let own_rad = read.position_rad - zero_rad;
+        for (up, down, end, why) in [
+            (
+                read.velocity_rad_s > fastest,
+                read.velocity_rad_s < -fastest,
+                coasting,
+                GuardReason::Speed,
+            ),
+            (own_rad > most, own_rad < least, 0.0, GuardReason::Range),
+        ] {
+            if up && held > end || down && held < end {
+                (held, reason) = (end, Some(why));
+            }
         }
-        // A millionth is rounding of the drive's own limit.
-        let most = self.settings.effort * permission.effort * (1.0 + 1e-6);
-        within(wanted, [-most, most], much)
+        (held, reason.filter(|_| (held - wanted).abs() > 0.0))
     }
 }
 

@@ -18,3 +18,4 @@ mod run_in;
 pub(crate) mod swing;
 pub(crate) mod test_rig;
 mod torque_stuck;
+mod winding;

@@ -560,3 +560,43 @@ fn a_drive_at_its_limit_is_asked_for_no_more() {
     let most = noted.iter().map(|effort| effort.abs()).fold(0.0, f32::max);
     assert!(most < 1.2 * noted[1].abs(), "{} {most}", noted[1]);
 }
+
+/// Zero for ever.
+struct AtZero;
+
+impl FrameSource for AtZero {
+    fn frame(&mut self, _index: i32) -> Frame<'_> {
+        let zeros = &[0.0; JOINTS];
+        Frame::Coordinates { q: zeros, qd: zeros, qdd: zeros }
+    }
+}
+
+/// At its target without gravity its drive is asked for nothing; then it is pushed.
+#[test]
+fn a_drive_that_is_limited_without_a_side_learns_neither_way() {
+    let pushed_nm = |note: bool, off_rad: f32| {
+        let settings = Settings {
+            observer: ObserverChoice { bandwidth_rad_s: 50.0, cancel: true, predict: true },
+            ..Settings::default()
+        };
+        let mut tracker = tracker(settings, 0).with_gravity(Vec3::ZERO).unwrap();
+        let mut efforts = [0.0; JOINTS];
+        for (tick, off_rad) in (0_i32..).zip([0.0, 0.0, off_rad]) {
+            let mut measured = rest();
+            measured[1].rotation = math::exp(Vec3::X * off_rad);
+            tracker.step(&mut AtZero, tick, &measured).unwrap().efforts(&mut efforts).unwrap();
+            if note {
+                tracker.note_limited(1);
+            }
+        }
+        efforts[1]
+    };
+    for off_rad in [0.01, -0.01] {
+        let [free, noted] = [false, true].map(|note| pushed_nm(note, off_rad));
+        let other = pushed_nm(true, -off_rad);
+        assert!(
+            noted.abs() < 0.9 * free.abs() && (noted + other).abs() < 1e-4 * noted.abs(),
+            "{free} {noted} {other}"
+        );
+    }
+}
