@@ -20,6 +20,10 @@ pub(crate) struct Host {
     pub(crate) beats: bool,
     /// Whether it takes what the controller sends.
     pub(crate) reads: bool,
+    /// The wire from the controller is dead.
+    pub(crate) is_deaf: bool,
+    /// The number of the newest telemetry.
+    heard: Option<u16>,
     pub(crate) outcome: Option<Outcome>,
     pub(crate) summaries: Vec<Summary>,
     pub(crate) parts: [u32; 4],
@@ -44,6 +48,8 @@ impl Host {
             beat_due_us: 0,
             beats: true,
             reads: true,
+            is_deaf: false,
+            heard: None,
             outcome: None,
             summaries: Vec::new(),
             parts: [0; 4],
@@ -73,6 +79,11 @@ impl Host {
         self.send(&ToController::Stream(numbered), now_us);
     }
 
+    /// Says that it is there, and what it has heard.
+    pub(crate) fn beat(&mut self, now_us: u64) {
+        self.stream(self.heard.map_or(Stream::Heartbeat, Stream::Heard), now_us);
+    }
+
     /// Sends a command, of which [`Self::outcome`] says what came.
     pub(crate) fn ask(&mut self, command: Command, now_us: u64) {
         self.outcome = None;
@@ -90,6 +101,9 @@ impl Host {
     /// Bytes that the controller has sent, as frames on the line back.
     pub(crate) fn take(&mut self, bytes: &[u8], now_us: u64) {
         hash_of(&mut self.hashes[1], bytes);
+        if self.is_deaf {
+            return self.cut.clear();
+        }
         for byte in bytes {
             self.cut.push(*byte);
             if *byte == 0 && self.cut.len() > 1 {
@@ -110,6 +124,7 @@ impl Host {
                 ToHost::Welcome(welcome) if welcome.nonce == self.nonce => {
                     if self.welcome.is_none() {
                         self.sender = Sender::new(welcome.session);
+                        self.heard = None;
                     }
                     self.welcome = Some(welcome);
                 }
@@ -120,6 +135,7 @@ impl Host {
                 }
                 ToHost::Fault(fault) => self.faults.push(fault),
                 ToHost::Telemetry(telemetry) => {
+                    self.heard = Some(telemetry.seq);
                     let part = match telemetry.part {
                         SnapshotPart::Summary(summary) => {
                             self.summaries.push(summary);
@@ -149,7 +165,7 @@ impl Host {
         }
         if self.beats && now_us >= self.beat_due_us {
             self.beat_due_us = now_us + 20_000;
-            self.stream(Stream::Heartbeat, now_us);
+            self.beat(now_us);
         }
     }
 }

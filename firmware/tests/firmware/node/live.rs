@@ -27,6 +27,7 @@ fn a_stream_with_jitter_and_loss_moves_smoothly() {
             let t = now_us as f64 * 1e-6;
             let q = figure.home.iter().map(|home| (home + 0.4 * (1.5 * t).sin()) as f32).collect();
             world.host.stream(Stream::Live(LiveFrame { sent_us: now_us as u32, q }), now_us);
+            world.host.beat(now_us);
         }
         // One command after the other, each as soon as it can be.
         let next = match (asked, world.state()) {
