@@ -28,6 +28,8 @@ pub(crate) struct Host {
     pub(crate) summaries: Vec<Summary>,
     pub(crate) parts: [u32; 4],
     pub(crate) faults: Vec<FaultRecord>,
+    /// What was said to another program.
+    pub(crate) others: Vec<ToHost>,
     /// Bytes of a frame that is not whole yet.
     cut: Vec<u8>,
     /// To the controller, and from it.
@@ -54,6 +56,7 @@ impl Host {
             summaries: Vec::new(),
             parts: [0; 4],
             faults: Vec::new(),
+            others: Vec::new(),
             cut: Vec::new(),
             there: Line::new(trouble, seed),
             back: Line::new(trouble, seed ^ 1),
@@ -131,6 +134,8 @@ impl Host {
                 ToHost::Answer(answer) => {
                     if let Some(outcome) = self.sender.take(&answer) {
                         self.outcome = Some(outcome);
+                    } else {
+                        self.others.push(ToHost::Answer(answer));
                     }
                 }
                 ToHost::Fault(fault) => self.faults.push(fault),
@@ -147,7 +152,7 @@ impl Host {
                     };
                     self.parts[part] += 1;
                 }
-                ToHost::Welcome(_) => {}
+                ToHost::Welcome(_) => self.others.push(message),
             }
         }
         if self.welcome.is_none() {

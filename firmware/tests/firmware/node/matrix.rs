@@ -151,7 +151,7 @@ fn damage(world: &mut World, servo: usize, kind: FaultKind) {
 }
 
 /// From limp into a state. In `Off` a servo is silent.
-fn enter(world: &mut World, state: State, fault: Fault) {
+pub(super) fn enter(world: &mut World, state: State, fault: Fault) {
     // While torque is off, the board tells only what it is asked for.
     let asks = |world: &mut World| {
         let telemetry = TelemetrySetting { rate_hz: 50.0, parts: TelemetryParts::SUMMARY };

@@ -32,6 +32,7 @@ mod settings;
 mod shows;
 mod silence;
 mod stored;
+mod stranger;
 mod told;
 mod whole;
 mod world;
