@@ -24,6 +24,7 @@ mod line;
 mod live;
 mod matrix;
 mod mismatch;
+mod page;
 mod pass;
 mod people;
 mod power_cut;
