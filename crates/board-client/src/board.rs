@@ -3,8 +3,9 @@
 use std::time::{Duration, SystemTime};
 
 use sinew_link::message::{
-    About, Applied, Command, FaultRecord, Hello, Limit, Misfit, Outcome, Refusal, State, Stream,
-    TelemetryParts, TelemetrySetting, ToController, ToHost, Value, Version, Welcome,
+    ACKNOWLEDGED_SINCE, About, Applied, Command, FaultRecord, Hello, Limit, Misfit, Outcome,
+    Refusal, SnapshotPart, State, Stream, TELEMETRY_LEAST_HZ, TelemetryParts, TelemetrySetting,
+    ToController, ToHost, Value, Version, Welcome,
 };
 use sinew_link::{Decoder, FRAME_MAX, Next, Sender, encode};
 
@@ -14,6 +15,13 @@ use crate::{ClientError, Line, TelemetryLog};
 const HELLO_EVERY: Duration = Duration::from_millis(100);
 /// How often the host says that it is there: a quarter of the time after which a rig holds.
 const BEAT_EVERY: Duration = Duration::from_millis(50);
+
+/// Without a valid message for so long, a host that drives a rig hears nothing, if nothing else is set.
+pub const SILENCE: Duration = Duration::from_secs(1);
+/// The same while torque is off: a board that erases flash tells nothing for up to 4 s.
+const SILENCE_LIMP: Duration = Duration::from_secs(6);
+/// How often a host that hears nothing says `Stop`, and how long it waits behind each: a frame may be lost.
+const LAST_WORDS: (u32, Duration) = (3, Duration::from_millis(30));
 
 /// A controller, in a session.
 #[derive(Debug)]
@@ -25,6 +33,15 @@ pub struct Board<L> {
     welcome: Option<Welcome>,
     outcome: Option<Outcome>,
     beat_due: Duration,
+    /// When the last valid message came.
+    heard: Duration,
+    silence: Duration,
+    /// It heard nothing for too long: it is silent.
+    is_deaf: bool,
+    /// By the last that came: the rig is neither off nor limp nor faulted.
+    is_driven: bool,
+    /// Snapshots a second that were asked for.
+    telemetry_hz: f32,
     /// What it has told unasked.
     pub log: TelemetryLog,
 }
@@ -44,6 +61,11 @@ impl<L: Line> Board<L> {
     pub fn connect(line: L, nonce: u32, patience: Duration) -> Result<Self, ClientError> {
         let mut board = Self {
             beat_due: line.now(),
+            heard: line.now(),
+            silence: SILENCE,
+            is_deaf: false,
+            is_driven: false,
+            telemetry_hz: 0.0,
             line,
             decoder: Decoder::new(),
             sender: Sender::new(0),
@@ -62,7 +84,7 @@ impl<L: Line> Board<L> {
     /// As of [`Self::connect`].
     pub fn reconnect(&mut self, patience: Duration) -> Result<(), ClientError> {
         self.nonce = self.nonce.wrapping_add(1);
-        (self.welcome, self.outcome) = (None, None);
+        (self.welcome, self.outcome, self.is_deaf) = (None, None, false);
         let end = self.line.now() + patience;
         let mut busy = false;
         while self.line.now() < end {
@@ -83,6 +105,11 @@ impl<L: Line> Board<L> {
             }
         }
         Err(if busy { ClientError::Misfit(Misfit::Busy) } else { ClientError::NoController })
+    }
+
+    /// Sets after how long without a valid message the rig is stopped; [`SILENCE`] before.
+    pub fn set_silence(&mut self, silence: Duration) {
+        self.silence = silence;
     }
 
     /// Who it is.
@@ -149,6 +176,10 @@ impl<L: Line> Board<L> {
         &mut self,
         command: Command,
     ) -> Result<(Applied, Option<Limit>), ClientError> {
+        // An emergency stop is a person's, and goes out in any case.
+        if self.is_deaf && command != Command::EStop {
+            return Err(ClientError::Deaf(self.silence));
+        }
         self.outcome = None;
         let busy = |_| ClientError::Unexpected("the command before");
         let command = self.sender.send(command, self.now_ms()).map_err(busy)?;
@@ -170,17 +201,58 @@ impl<L: Line> Board<L> {
     /// Takes what comes, waits for it up to `wait`, and sends what is due: heartbeats, and commands without an answer.
     ///
     /// # Errors
-    /// [`ClientError::Line`], [`ClientError::NoAnswer`].
+    /// [`ClientError::Line`], [`ClientError::NoAnswer`]; [`ClientError::Deaf`] if nothing valid has come for too long.
     pub fn step(&mut self, wait: Duration) -> Result<(), ClientError> {
+        if self.is_deaf {
+            return Err(ClientError::Deaf(self.silence));
+        }
         if self.line.now() >= self.beat_due {
-            self.stream(Stream::Heartbeat)?;
+            self.beat()?;
         }
         match self.sender.poll(self.now_ms()) {
             Next::Send(command) => self.send(&ToController::Command(command))?,
             Next::GaveUp(command) => return Err(ClientError::NoAnswer(Box::new(command.item))),
             Next::Idle | Next::Wait => {}
         }
-        self.listen(wait.min(self.beat_due.saturating_sub(self.line.now())))
+        self.listen(wait.min(self.beat_due.saturating_sub(self.line.now())))?;
+        self.watch()
+    }
+
+    /// Says that the host is there, and what it has heard.
+    fn beat(&mut self) -> Result<(), ClientError> {
+        self.beat_due = self.line.now() + BEAT_EVERY;
+        let heard = self.log.heard().filter(|_| self.acknowledges());
+        let beat = self.sender.stream(heard.map_or(Stream::Heartbeat, Stream::Heard));
+        self.send(&ToController::Stream(beat))
+    }
+
+    fn acknowledges(&self) -> bool {
+        self.version().minor >= ACKNOWLEDGED_SINCE
+    }
+
+    /// Ends the session of a host that hears nothing: it says `Stop`, and then it is silent. So the board takes its rig
+    /// to the rest pose, or holds, and lowers it by itself.
+    fn watch(&mut self) -> Result<(), ClientError> {
+        let told_hz = if self.is_driven && self.acknowledges() {
+            self.telemetry_hz.max(TELEMETRY_LEAST_HZ)
+        } else {
+            self.telemetry_hz
+        };
+        let silence = if self.is_driven { self.silence } else { self.silence.max(SILENCE_LIMP) };
+        let silent = self.line.now().saturating_sub(self.heard);
+        // Where little is told, three in a row have to be missing.
+        if told_hz <= 0.0 || silent < silence || silent.as_secs_f32() < 3.0 / told_hz {
+            return Ok(());
+        }
+        let (times, pause) = LAST_WORDS;
+        for _ in 0..times {
+            if let Ok(stop) = self.sender.send(Command::Stop, self.now_ms()) {
+                self.send(&ToController::Command(stop))?;
+            }
+            self.listen(pause)?;
+        }
+        self.is_deaf = true;
+        Err(ClientError::Deaf(self.silence))
     }
 
     /// Takes what comes, for so long.
@@ -195,12 +267,14 @@ impl<L: Line> Board<L> {
         Ok(())
     }
 
-    /// Sends something of the stream, once. It counts as a heartbeat.
+    /// Sends something of the stream, once.
     ///
     /// # Errors
-    /// [`ClientError::Line`].
+    /// [`ClientError::Line`], [`ClientError::Deaf`].
     pub fn stream(&mut self, stream: Stream) -> Result<(), ClientError> {
-        self.beat_due = self.line.now() + BEAT_EVERY;
+        if self.is_deaf {
+            return Err(ClientError::Deaf(self.silence));
+        }
         let numbered = self.sender.stream(stream);
         self.send(&ToController::Stream(numbered))
     }
@@ -215,7 +289,10 @@ impl<L: Line> Board<L> {
         parts: TelemetryParts,
     ) -> Result<TelemetrySetting, ClientError> {
         match self.ask(Command::SetTelemetry(TelemetrySetting { rate_hz, parts }))? {
-            Applied::Telemetry(setting) => Ok(setting),
+            Applied::Telemetry(setting) => {
+                self.telemetry_hz = setting.rate_hz;
+                Ok(setting)
+            }
             _ => Err(ClientError::Unexpected("the telemetry")),
         }
     }
@@ -301,24 +378,39 @@ impl<L: Line> Board<L> {
     }
 
     fn take(&mut self, message: ToHost) {
+        self.heard = self.line.now();
         match message {
             ToHost::Welcome(welcome) if welcome.nonce == self.nonce => {
                 if self.welcome.is_none() && welcome.verdict.is_ok() {
                     self.sender = Sender::new(welcome.session);
                     self.log = TelemetryLog::default();
+                    (self.is_driven, self.telemetry_hz) = (false, 0.0);
                 }
                 self.welcome = self.welcome.or(Some(welcome));
             }
             ToHost::Answer(answer) => {
                 if let Some(outcome) = self.sender.take(&answer) {
+                    if let Outcome::Applied(Applied::State(state)) = outcome {
+                        self.is_driven = is_driven(state);
+                    }
                     self.outcome = Some(outcome);
                 }
             }
-            ToHost::Telemetry(telemetry) => self.log.take(telemetry),
+            ToHost::Telemetry(telemetry) => {
+                if let SnapshotPart::Summary(summary) = &telemetry.part {
+                    self.is_driven = is_driven(summary.state);
+                }
+                self.log.take(telemetry);
+            }
             ToHost::Fault(fault) => self.log.faults.push(fault),
             ToHost::Welcome(_) => {}
         }
     }
+}
+
+/// Whether somebody does something with a rig in this state.
+fn is_driven(state: State) -> bool {
+    !matches!(state, State::Off | State::Limp | State::Faulted)
 }
 
 fn number(applied: &Applied) -> Result<f32, ClientError> {

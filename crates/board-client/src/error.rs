@@ -2,6 +2,7 @@
 
 use std::io;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use sinew_link::message::{Command, Misfit, Refusal, Version};
 use sinew_servo_tools::{Protocol, ServiceError};
@@ -54,6 +55,13 @@ pub enum ClientError {
     /// No answer came.
     #[error("the controller has not answered {0:?}: is the line bad?")]
     NoAnswer(Box<Command>),
+    /// Nothing valid came for so long.
+    #[error(
+        "nothing valid has come from the board for {} s: is the wire from the board broken? It was told to stop, and \
+         this program is silent now: the rig goes to its rest pose or holds, and 2 s later it is lowered and limp",
+        .0.as_secs_f64()
+    )]
+    Deaf(Duration),
     /// The session is over.
     #[error("the session is over: the board has started anew, or another program has it now")]
     SessionOver,

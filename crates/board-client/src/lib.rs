@@ -7,7 +7,7 @@
 //!
 //! - [`Line`] is bytes out and bytes in, with a clock; [`SerialBoard`] is one on a serial port.
 //! - [`Board`] is a session on it: [`Board::ask`] sends a command until it is answered, [`Board::step`] takes what
-//!   comes and says every 50 ms that the host is there.
+//!   comes and says every 50 ms that the host is there. A host that hears nothing for 1 s says `Stop`, and is silent.
 //! - [`TelemetryLog`] is what telemetry has told, put together again.
 //! - [`Board::upload`] brings rigs, settings and shows, block by block, and goes on where it was interrupted.
 //! - [`BoardServos`]: the controller passes packets on while its rig is limp.
@@ -42,7 +42,7 @@ mod servos;
 mod telemetry_log;
 mod upload;
 
-pub use board::{Board, nonce};
+pub use board::{Board, SILENCE, nonce};
 pub use error::ClientError;
 pub use line::{Line, SerialBoard};
 pub use servos::BoardServos;

@@ -36,6 +36,11 @@ pub struct TelemetryLog {
 }
 
 impl TelemetryLog {
+    /// The number of the newest frame.
+    pub(crate) fn heard(&self) -> Option<u16> {
+        self.next.map(|next| next.wrapping_sub(1))
+    }
+
     /// Takes a frame: what it tells takes the place of what was there.
     pub(crate) fn take(&mut self, Telemetry { seq, tick, part }: Telemetry) {
         if let Some(next) = self.next {

@@ -67,9 +67,9 @@ impl Sender {
     /// Numbers a command, to be sent now.
     ///
     /// # Errors
-    /// [`SenderBusy`] while another one has no answer. An e-stop takes its place.
+    /// [`SenderBusy`] while another one has no answer. An e-stop and a stop take its place.
     pub fn send(&mut self, command: Command, now_ms: u32) -> Result<Numbered<Command>, SenderBusy> {
-        if self.waiting.is_some() && command != Command::EStop {
+        if self.waiting.is_some() && !matches!(command, Command::EStop | Command::Stop) {
             return Err(SenderBusy);
         }
         let seq = next(&mut self.next_command);

@@ -10,13 +10,21 @@ use crate::window::{Order, Window, WindowCounts};
 /// How many answers are kept to be given again.
 const KEPT: usize = 8;
 
+/// The number of a welcome without a session.
+const NO_SESSION: u16 = 0;
+
 /// What one host and this controller have said to each other. A new greeting begins anew.
 ///
 /// Commands are executed in the order of their numbers. One that comes behind a higher one is refused: a `Play` that a
 /// line delayed must not undo the `Stop` that was sent after it. Whoever still wants it sends it with a new number.
+///
+/// An `EStop` and a `Stop` are executed whatever their session and number: whoever sees danger may end the motion. No
+/// other command of a stranger is executed. Not `Hold` either: it makes a rig stiff that somebody leads by hand.
 #[derive(Debug, Clone)]
 pub struct Session {
     id: u16,
+    /// The minor version that both speak.
+    minor: u8,
     /// The greeting's number; none before the first.
     nonce: Option<u32>,
     commands: Window,
@@ -39,6 +47,7 @@ impl Session {
     pub const fn new(first: u16) -> Self {
         Self {
             id: first,
+            minor: 0,
             nonce: None,
             commands: Window::new(),
             stream: Window::new(),
@@ -47,17 +56,19 @@ impl Session {
     }
 
     /// Answers a greeting. A new one gets a new session, and ends the one before. `busy`: another host has the rig now,
-    /// and a new one is refused.
+    /// and a new one is refused; it is not told the number of the session that is on.
     pub fn hello(&mut self, hello: Hello, about: About, busy: bool) -> Welcome {
         let again = self.nonce == Some(hello.nonce);
         let verdict = match about.protocol.fit(hello.protocol) {
             Ok(_) if busy && !again => Err(Misfit::Busy),
             verdict => verdict,
         };
-        if verdict.is_ok() && !again {
-            *self = Self { nonce: Some(hello.nonce), ..Self::new(self.id.wrapping_add(1)) };
+        if let (Ok(minor), false) = (verdict, again) {
+            let id = self.id.wrapping_add(1).max(NO_SESSION.saturating_add(1));
+            *self = Self { nonce: Some(hello.nonce), minor, ..Self::new(id) };
         }
-        Welcome { nonce: hello.nonce, session: self.id, about, verdict }
+        let session = if verdict.is_ok() { self.id } else { NO_SESSION };
+        Welcome { nonce: hello.nonce, session, about, verdict }
     }
 
     /// Whether to execute a command, or what to answer.
@@ -65,13 +76,13 @@ impl Session {
         let Numbered { session, seq, ref item } = *command;
         let refuse =
             |refusal| Intake::Answer(Answer { session, seq, item: Outcome::Refused(refusal) });
-        let stop = *item == Command::EStop;
+        let ends = matches!(item, Command::EStop | Command::Stop);
         if self.nonce.is_none() || session != self.id {
-            return if stop { Intake::Execute } else { refuse(Refusal::Session) };
+            return if ends { Intake::Execute } else { refuse(Refusal::Session) };
         }
         match self.commands.take(seq) {
-            _ if stop => Intake::Execute,
-            Order::Fresh { .. } => {
+            _ if *item == Command::EStop => Intake::Execute,
+            order if matches!(order, Order::Fresh { .. }) || ends && order == Order::Late => {
                 self.keep(seq, Outcome::Working);
                 Intake::Execute
             }
@@ -79,8 +90,9 @@ impl Session {
                 self.keep(seq, Outcome::Refused(Refusal::Late));
                 refuse(Refusal::Late)
             }
-            Order::Duplicate | Order::Old => match self.kept(seq) {
+            _ => match self.kept(seq) {
                 Some(outcome) => Intake::Answer(Answer { session, seq, item: outcome.clone() }),
+                None if ends => Intake::Execute,
                 None => refuse(Refusal::Forgotten),
             },
         }
@@ -102,6 +114,11 @@ impl Session {
     pub fn stream(&mut self, message: &Numbered<Stream>) -> Option<Order> {
         let ours = self.nonce.is_some() && message.session == self.id;
         ours.then(|| self.stream.take(message.seq))
+    }
+
+    /// Whether both know the messages of a minor version.
+    pub fn speaks(&self, minor: u8) -> bool {
+        self.minor >= minor
     }
 
     /// The number of the session; none before the first greeting.

@@ -90,7 +90,9 @@ impl Node {
     pub(super) fn connect(&mut self) -> Result<Welcome, QemuError> {
         self.nonce += 1;
         (self.welcome, self.line) = (None, Vec::new());
-        let hello = Hello { protocol: Version::CURRENT, nonce: self.nonce };
+        // It takes no telemetry, and so it says that it does not acknowledge any.
+        let protocol = Version { minor: 1, ..Version::CURRENT };
+        let hello = Hello { protocol, nonce: self.nonce };
         self.say(&ToController::Hello(hello));
         for _ in 0..PATIENCE {
             self.below()?;

@@ -3,7 +3,8 @@
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Deque;
 use sinew_link::message::{
-    About, Command, FaultRecord, Hello, Misfit, Numbered, Outcome, Stream, ToController, ToHost,
+    ACKNOWLEDGED_SINCE, About, Command, FaultRecord, Hello, Misfit, Numbered, Outcome, Stream,
+    ToController, ToHost,
 };
 use sinew_link::{Decoder, Intake, Order as Sequence, Session};
 use sinew_rig::board::BoardRig;
@@ -141,7 +142,8 @@ impl<
             }
         }
         let counts = (self.decoder.damage().total(), self.session.counts().1.lost);
-        self.telemeter.step(port.now_us(), mail, counts, &mut self.outbox);
+        let (now_us, acknowledges) = (port.now_us(), self.session.speaks(ACKNOWLEDGED_SINCE));
+        self.telemeter.step(now_us, mail, counts, acknowledges, &mut self.outbox);
         self.outbox.send(|bytes| port.send(bytes));
         self.steps.add(begun_at, port.cycles());
         if self.kept.is_some() && self.outbox.is_empty() { Next::Restart } else { Next::Step }
@@ -169,7 +171,7 @@ impl<
                     }
                 }
             },
-            ToController::Stream(item) => self.stream(item, mail),
+            ToController::Stream(item) => self.stream(item, port.now_us(), mail),
         }
     }
 
@@ -181,6 +183,7 @@ impl<
         let welcome = self.session.hello(hello, self.setup.about, busy);
         if welcome.verdict != Err(Misfit::Busy) && self.session.id() != before {
             self.telemeter = Telemeter::new();
+            mail.with(|mail| mail.is_deaf = false);
         }
         self.outbox.put(&ToHost::Welcome(welcome));
     }
@@ -190,13 +193,18 @@ impl<
     fn stream(
         &mut self,
         item: Numbered<Stream>,
+        now_us: u64,
         mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) {
         let Some(order) = self.session.stream(&item) else { return };
         let is_fresh = matches!(order, Sequence::Fresh { .. });
         let is_late = order == Sequence::Late;
+        let is_deaf = is_fresh && self.is_deaf(&item.item, now_us);
         mail.with(|mail| {
             mail.heard |= is_fresh;
+            if is_fresh {
+                mail.is_deaf = is_deaf;
+            }
             match item.item {
                 Stream::Live(frame) if is_fresh || is_late => {
                     if mail.live.is_full() {
@@ -214,6 +222,15 @@ impl<
                 _ => {}
             }
         });
+    }
+
+    /// Whether the host speaks and hears nothing, by a fresh message of it.
+    fn is_deaf(&mut self, item: &Stream, now_us: u64) -> bool {
+        let heard = if let Stream::Heard(number) = item { Some(*number) } else { None };
+        let limit_s = self.setup.settings.controller.supervisor.link_limp_s;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 60 s")]
+        let limit_us = (limit_s * 1e6) as u32;
+        self.telemeter.hear(heard, now_us, limit_us) && self.session.speaks(ACKNOWLEDGED_SINCE)
     }
 
     pub(super) fn answer(&mut self, id: CommandId, outcome: Outcome) {

@@ -177,7 +177,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         self.timing.begins(begun_at);
         let mut inputs = mail.with(|mail| self.take(mail, now_us));
         if board.is_stopped() {
-            inputs.found = FaultSet::of(Fault::EStop);
+            inputs.found = inputs.found.with(Fault::EStop);
         }
         let begun = self.controller.begin(&inputs, &mut self.live, bus);
         board.enable_outputs(self.controller.permission().torque);
@@ -213,7 +213,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             now_us,
             heard: core::mem::take(&mut mail.heard),
             command: self.command(mail),
-            found: FaultSet::EMPTY,
+            found: if mail.is_deaf { FaultSet::of(Fault::HostDeaf) } else { FaultSet::EMPTY },
             jog: self.jog.map(|(jog, _)| jog),
         }
     }

@@ -34,6 +34,8 @@ pub trait Shared<T> {
 pub struct Mail<'a, const DOFS: usize, const SERVOS: usize, const COORDS: usize> {
     /// A valid and new message came.
     pub(super) heard: bool,
+    /// The host acknowledges nothing that it is told.
+    pub(super) is_deaf: bool,
     /// An emergency stop goes before all else.
     pub(super) stop: Option<CommandId>,
     pub(super) order: Option<(CommandId, LoopRequest<'a, COORDS>)>,
@@ -103,6 +105,7 @@ impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Mail<'_, DOFS,
     pub fn new(disarmed: Disarmed) -> Self {
         Self {
             heard: false,
+            is_deaf: false,
             stop: None,
             order: None,
             enable: None,

@@ -65,7 +65,9 @@ pub use control::{ControlError, ControlLoop};
 pub use items::SHOW_SCHEMA;
 pub use mail::{Mail, Shared};
 pub use mark::link_version;
-pub use settings::{NodeSettings, SETTING_NAMES, SETTINGS_MAX, SETTINGS_SCHEMA, SettingsError};
+pub use settings::{
+    NodeSettings, SETTING_NAMES, SETTING_TEXTS, SETTINGS_MAX, SETTINGS_SCHEMA, SettingsError,
+};
 pub use start::{Found, RIG_SCHEMA, join_rig, split_rig, start};
 pub use text::limiter;
 pub use timing::{Spread, Timing, Timings};

@@ -39,6 +39,29 @@ pub const SETTING_NAMES: [&str; 19] = [
     "swing_gain",
 ];
 
+/// What each of [`SETTING_NAMES`] says, for people: a board has no words.
+pub const SETTING_TEXTS: [&str; SETTING_NAMES.len()] = [
+    "without a message of the host for so long, the rig holds",
+    "without a message for so long it is lowered; without an acknowledgement it is stopped",
+    "for so long a `HoldToRun` and a `Jog` count",
+    "torque comes on, and the pose settles, before the rig holds",
+    "from one source of poses to another",
+    "the longest way to the rest pose; lowered where it is after that",
+    "effort fades to nothing",
+    "the fastest joint from standing still until it is where its feed is, and of jogging",
+    "the fastest joint on the way to the rest pose",
+    "the fastest joint in maintenance",
+    "a servo that is so far from where it should be does not follow",
+    "for so long it may",
+    "a reading that is older is not valid; at least the time between two",
+    "a servo whose voltage and temperature were not read for longer is silent",
+    "how far beyond its range a servo may be measured",
+    "how long after the fastest frame a pose of a live source is played",
+    "without a new frame for so long a live source is stale",
+    "the fastest joint that is led by hand while the rig carries itself",
+    "the part to which the feedback of a joint that swings is lowered",
+];
+
 /// What a node can be told. The rest of [`ControllerSettings`] is the board's: bus, servos, tracker.
 #[derive(Debug, Clone)]
 pub struct NodeSettings {

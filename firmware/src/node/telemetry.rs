@@ -1,24 +1,30 @@
 //! Telemetry at the rate that the host has chosen.
 
-use sinew_link::message::{Snapshot, TelemetryParts, TelemetrySetting, ToHost};
+use sinew_link::message::{Snapshot, TELEMETRY_LEAST_HZ, TelemetryParts, TelemetrySetting, ToHost};
 
 use super::mail::{Mail, Shared, Tick};
 use super::outbox::Outbox;
 
-/// Asks the loop for snapshots, and sends them frame by frame, as long as the line has room.
+/// Asks the loop for snapshots, and sends them frame by frame, as long as the line has room. Knows whether the host
+/// acknowledges them.
 #[derive(Debug)]
 pub(super) struct Telemeter<const DOFS: usize, const SERVOS: usize, const COORDS: usize> {
     setting: TelemetrySetting,
     due_us: u64,
     sending: Option<(Tick<DOFS, SERVOS, COORDS>, usize)>,
     seq: u16,
+    /// The number behind the newest frame that the host has acknowledged.
+    heard: u16,
+    /// When it has acknowledged something new, or all, and when it spoke last, µs; only differences count.
+    heard_us: u32,
+    spoke_us: u32,
 }
 
 impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Telemeter<DOFS, SERVOS, COORDS> {
     /// None is sent.
     pub(super) const fn new() -> Self {
         let setting = TelemetrySetting { rate_hz: 0.0, parts: TelemetryParts(0) };
-        Self { setting, due_us: 0, sending: None, seq: 0 }
+        Self { setting, due_us: 0, sending: None, seq: 0, heard: 0, heard_us: 0, spoke_us: 0 }
     }
 
     /// The next snapshot is due at once, however slow they were.
@@ -26,16 +32,41 @@ impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Telemeter<DOFS
         (self.setting, self.due_us) = (setting, 0);
     }
 
-    /// `damaged`, `lost`: frames of the host.
+    /// Takes a fresh message of the host, with the number of the newest frame that it has heard. Says whether the host
+    /// is deaf: it speaks, and of what was sent it has acknowledged nothing new for so long.
+    pub(super) fn hear(&mut self, heard: Option<u16>, now_us: u64, limit_us: u32) -> bool {
+        #[expect(clippy::cast_possible_truncation, reason = "differences count, of seconds")]
+        let now_us = now_us as u32;
+        let was_silent = now_us.wrapping_sub(self.spoke_us) >= limit_us;
+        self.spoke_us = now_us;
+        let behind = heard.map_or(self.heard, |number| number.wrapping_add(1));
+        // A number that was not sent since the last that counted says nothing.
+        let is_new = self.seq.wrapping_sub(behind) < self.seq.wrapping_sub(self.heard);
+        if is_new {
+            self.heard = behind;
+        }
+        if is_new || was_silent || self.heard == self.seq {
+            self.heard_us = now_us;
+        }
+        now_us.wrapping_sub(self.heard_us) >= limit_us
+    }
+
+    /// `damaged`, `lost`: frames of the host. `acknowledges`: it is one that tells what it has heard.
     #[inline(never)]
     pub(super) fn step<'a>(
         &mut self,
         now_us: u64,
         mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
         (damaged, lost): (u32, u32),
+        acknowledges: bool,
         outbox: &mut Outbox,
     ) {
-        let TelemetrySetting { rate_hz, parts } = self.setting;
+        let TelemetrySetting { mut rate_hz, mut parts } = self.setting;
+        if acknowledges && rate_hz < TELEMETRY_LEAST_HZ && mail.with(|mail| mail.state.is_on()) {
+            (rate_hz, parts) = (TELEMETRY_LEAST_HZ, parts.and(TelemetryParts::SUMMARY));
+            // A slower rate has put it off by more.
+            self.due_us = self.due_us.min(now_us.saturating_add(200_000));
+        }
         if rate_hz > 0.0 && now_us >= self.due_us && self.sending.is_none() {
             #[expect(
                 clippy::cast_possible_truncation,

@@ -31,6 +31,7 @@ fn numbers_are_never_changed() {
         (19, "panic"),
         (20, "servo has stopped"),
         (21, "torque stuck"),
+        (22, "host deaf"),
         (64, "swing"),
     ];
     assert!(Fault::ALL.map(|fault| (fault.number(), fault.name())).into_iter().eq(names));

@@ -4,7 +4,7 @@ use sinew_servo_bus::{ScheduleError, SetupError};
 use thiserror::Error;
 
 /// Version of the bytes, which the error names.
-pub(crate) const VERSION: u8 = 2;
+pub const VERSION: u8 = 2;
 
 /// Why a wiring is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]

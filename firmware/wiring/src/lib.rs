@@ -32,7 +32,7 @@ mod remote;
 mod wiring;
 
 pub use bus::Bus;
-pub use error::WiringError;
+pub use error::{VERSION, WiringError};
 pub use line::{BusLine, Dynamixel, LineServo, Protocol, Pulses, Servo};
 pub use lines::{AllLines, Lines};
 pub use wiring::{LINES, Wiring};

@@ -10,7 +10,8 @@ use crate::message::LiveFrame;
 /// The longest delay and time-out, us.
 const LONGEST_US: u32 = 2_000_000;
 
-/// Live frames of a rig of at most `N` coordinates, `FRAMES` at a time: those of the delay, and a few more.
+/// Live frames of a rig of at most `N` coordinates, `FRAMES` at a time: those of the delay, and a few more. Of a source
+/// that sends more of them they are thinned: what lies near another is left out.
 ///
 /// Targets begin where [`start`](Self::start) says, and go no faster than the limits of speed, whatever comes. Between
 /// two frames they are interpolated. Nothing is extrapolated: if the next frame is missing, the last one is held.
@@ -42,8 +43,8 @@ pub struct LiveCounts {
     pub too_late: u32,
     /// Frames that were refused for another reason.
     pub refused: u32,
-    /// Frames that had to make room for newer ones before they were played.
-    pub pushed_out: u32,
+    /// Frames of those that were left out, since others are near.
+    pub thinned: u32,
     /// Ticks in which a frame was missing, and the last one was held.
     pub held: u32,
 }
@@ -203,19 +204,41 @@ impl<const N: usize, const FRAMES: usize> LiveBuffer<N, FRAMES> {
         }
         timeline.arrive(sent, now);
         self.stale = false;
-        let mut q = [0.0; N];
-        if let Some(q) = q.get_mut(..self.len) {
-            q.copy_from_slice(&frame.q);
+        // Three quarters of the places are the delay's; the others are for a source that is played behind it.
+        let places = i64::try_from(FRAMES).unwrap_or(i64::MAX).saturating_mul(3) / 4;
+        let apart = delay.checked_div(places).unwrap_or(0).unsigned_abs();
+        if self.frames.iter().flatten().any(|stored| stored.sent.abs_diff(sent) < apart) {
+            self.counts.thinned = self.counts.thinned.saturating_add(1);
+            return Ok(());
         }
-        // An empty place, or that of the oldest.
-        let place = self.frames.iter_mut().min_by_key(|place| place.map(|stored| stored.sent));
-        if let Some(place) = place {
+        let place = self.place();
+        if let Some(place) = self.frames.get_mut(place) {
             if place.is_some() {
-                self.counts.pushed_out = self.counts.pushed_out.saturating_add(1);
+                self.counts.thinned = self.counts.thinned.saturating_add(1);
+            }
+            let mut q = [0.0; N];
+            if let Some(q) = q.get_mut(..self.len) {
+                q.copy_from_slice(&frame.q);
             }
             *place = Some(Stored { sent, q });
         }
         Ok(())
+    }
+
+    /// An empty place; or that of the frame whose neighbours are nearest to each other. The oldest, which is played, and
+    /// the newest stay. O(`FRAMES`), and O(`FRAMES`²) without an empty one.
+    fn place(&self) -> usize {
+        if let Some(empty) = self.frames.iter().position(Option::is_none) {
+            return empty;
+        }
+        let sent = || self.frames.iter().flatten().map(|stored| stored.sent);
+        let between = |own: i64| {
+            let before = sent().filter(|other| *other < own).max()?;
+            let after = sent().filter(|other| *other > own).min()?;
+            Some(after.saturating_sub(before))
+        };
+        let least = sent().enumerate().min_by_key(|(_, own)| between(*own).unwrap_or(i64::MAX));
+        least.map_or(0, |(place, _)| place)
     }
 
     /// Moves the target.

@@ -15,7 +15,7 @@ pub struct Version {
 
 impl Version {
     /// Of this crate.
-    pub const CURRENT: Self = Self { major: 1, minor: 1 };
+    pub const CURRENT: Self = Self { major: 1, minor: 2 };
 
     /// What a controller of this version says to a host of version `host`: the minor version that both speak, or the
     /// misfit.
@@ -59,7 +59,7 @@ pub struct Hello {
 pub struct Welcome {
     /// The number of the greeting.
     pub nonce: u32,
-    /// What commands and streams of the host carry from now on.
+    /// What commands and streams of the host carry from now on; 0, which no session has, if there is none.
     pub session: u16,
     /// Who answers.
     pub about: About,

@@ -29,8 +29,8 @@ pub use stored::{
 };
 pub use stream::{LiveFrame, POSE_MAX, Stream};
 pub use telemetry::{
-    DOFS_A_FRAME, Dof, Errors, SERVOS_A_FRAME, Servo, Snapshot, SnapshotPart, Summary, Telemetry,
-    TelemetryParts, TelemetrySetting,
+    ACKNOWLEDGED_SINCE, DOFS_A_FRAME, Dof, Errors, SERVOS_A_FRAME, Servo, Snapshot, SnapshotPart,
+    Summary, TELEMETRY_LEAST_HZ, Telemetry, TelemetryParts, TelemetrySetting,
 };
 
 use serde::{Deserialize, Serialize};

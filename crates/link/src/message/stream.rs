@@ -26,6 +26,9 @@ pub enum Stream {
     },
     /// A pose of a live source.
     Live(LiveFrame),
+    /// The host is there, and the newest telemetry that it has heard has this number. Since version 1.2: whoever speaks
+    /// it says this in place of [`Self::Heartbeat`] as soon as telemetry came.
+    Heard(u16),
 }
 
 /// A pose of a live source, in rig coordinates.

@@ -124,6 +124,12 @@ pub struct Servo {
     pub hardware_error: u8,
 }
 
+/// The minor version from which on a host acknowledges telemetry.
+pub const ACKNOWLEDGED_SINCE: u8 = 2;
+
+/// Summaries a second that a host gets that acknowledges them, at least, while torque is on.
+pub const TELEMETRY_LEAST_HZ: f32 = 5.0;
+
 /// Which parts of a snapshot to send, bit by bit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TelemetryParts(pub u8);

@@ -87,7 +87,8 @@ fn what_comes_was_sent_and_is_executed_once_in_order() {
     let mut sent = VecDeque::new();
     let (mut commands, mut streams) = (0_u32, 0_u32);
     let (mut last_executed, mut last_fresh) = (None, None);
-    let (mut executed, mut fresh, mut late, mut stops) = (0, 0, 0, 0);
+    let (mut executed, mut fresh, mut late) = (0, 0, 0);
+    let (mut stops, mut late_stops) = (0, 0);
 
     for index in 0..FRAMES {
         let (count, message) = if random.chance(0.5) {
@@ -113,6 +114,11 @@ fn what_comes_was_sent_and_is_executed_once_in_order() {
                 match message {
                     ToController::Command(command) => match session.command(&command) {
                         Intake::Execute if command.item == Command::EStop => stops += 1,
+                        Intake::Execute
+                            if command.item == Command::Stop && count < last_executed =>
+                        {
+                            late_stops += 1;
+                        }
                         Intake::Execute => {
                             assert!(count > last_executed, "{count:?} after {last_executed:?}");
                             last_executed = count;
@@ -141,7 +147,9 @@ fn what_comes_was_sent_and_is_executed_once_in_order() {
     let damage = decoder.damage();
     let (of_commands, of_streams) = session.counts();
     println!("{FRAMES} sent, {} came, {damage:?}", decoder.messages());
-    println!("{executed} executed, {stops} e-stops; {fresh} fresh, {late} late");
+    println!(
+        "{executed} executed, {stops} e-stops, {late_stops} late stops; {fresh} fresh, {late} late"
+    );
     println!("commands {of_commands:?}\nstreams {of_streams:?}");
     // Of each half million some 9 % are lost or damaged, and 7 % late.
     assert!(executed > 370_000 && fresh > 390_000 && late > 30_000 && stops > 17_000);
@@ -256,10 +264,25 @@ fn a_stop_is_not_undone_by_a_late_play() {
     assert_eq!(session.command(&stop), Intake::Answer(working));
     let done = session.answer(id, 1, Outcome::Applied(Applied::Done));
     assert_eq!(session.command(&stop), Intake::Answer(done));
-    // An e-stop always.
-    let stop = Numbered { session: id ^ 1, seq: 9, item: Command::EStop };
-    assert_eq!(session.command(&stop), Intake::Execute);
-    assert_eq!(Session::new(0).command(&stop), Intake::Execute);
+}
+
+/// Whoever sees danger ends the motion: what came before, and whose session it is, do not matter.
+#[test]
+fn a_stop_is_never_refused_for_its_number() {
+    let mut session = Session::new(0);
+    let id = hello(&mut session, 1).session;
+    let numbered = |session, seq, item| Numbered { session, seq, item };
+    assert_eq!(session.command(&numbered(id, 5000, Command::Hold)), Intake::Execute);
+    for (session_of_it, seq) in [(id, 4999), (id, 3), (id ^ 1, 9), (0, 5000)] {
+        for item in [Command::EStop, Command::Stop] {
+            let stop = numbered(session_of_it, seq, item);
+            assert_eq!(session.command(&stop), Intake::Execute, "{stop:?}");
+            assert_eq!(Session::new(0).command(&stop), Intake::Execute);
+        }
+        // A stranger's hold makes stiff what somebody leads by hand.
+        let hold = numbered(session_of_it, seq, Command::Hold);
+        assert!(matches!(session.command(&hold), Intake::Answer(_)), "{hold:?}");
+    }
 }
 
 fn numbered_answer(session: u16, seq: u16, item: Outcome) -> Answer {
@@ -280,7 +303,9 @@ fn sessions_are_told_apart() {
     assert_ne!(session.command(&command(first.session)), Intake::Execute);
     // Another host, while the first one has the rig, and when it is gone.
     let other = Hello { protocol: Version::CURRENT, nonce: 200 };
-    assert_eq!(session.hello(other, ABOUT, true).verdict, Err(Misfit::Busy));
+    let busy = session.hello(other, ABOUT, true);
+    // It is not told the number of the other's session.
+    assert_eq!((busy.verdict, busy.session), (Err(Misfit::Busy), 0));
     assert_eq!(session.id(), Some(first.session));
     let second = session.hello(other, ABOUT, false);
     assert_eq!(session.command(&command(first.session)), refused(first.session));

@@ -137,6 +137,48 @@ fn jitter_and_loss_do_not_show() {
     }
 }
 
+/// Sources of any rate, up to what a line of 1 Mbps carries: 24 places are enough. The delay is the default, or longer.
+#[test]
+fn a_source_of_any_rate_is_followed() {
+    for (hz, delay_us, most) in [
+        (20, 150_000, 1e-3),
+        (60, 150_000, 2e-4),
+        (120, 150_000, 2e-4),
+        (200, 150_000, 2e-4),
+        (400, 150_000, 2e-4),
+        (2_400, 150_000, 2e-4),
+        (50, 500_000, 1e-3),
+        (200, 2_000_000, 0.02),
+        (200, 0, 0.02),
+    ] {
+        let settings = LiveSettings { delay_us, ..LiveSettings::DEFAULT };
+        let mut buffer = LiveBuffer::<8, 24>::new(&JOINTS, settings).expect("the settings can be");
+        buffer.start(&pose(0.0)).expect("it is a pose");
+        let (mut sent, mut worst, mut held) = (0_u64, 0.0_f32, 0);
+        for tick in 0..10_000_u64 {
+            let now = tick * 2_000;
+            while sent * 1_000_000 / hz <= now {
+                let at = sent * 1_000_000 / hz;
+                buffer.push(&frame(at as u32, &pose(at as f64 * 1e-6)), at).expect("in time");
+                sent += 1;
+            }
+            let target = buffer.step(now);
+            if tick > 2_000 {
+                let is_fed = matches!(target.following, Following::Interpolated | Following::Held);
+                assert!(is_fed, "{hz} Hz, {delay_us} us: {target:?}");
+                held += u32::from(target.following == Following::Held);
+                let due = (now - u64::from(delay_us)) as f64 * 1e-6;
+                worst = distance(&pose(due), target.q).into_iter().fold(worst, f32::max);
+            }
+        }
+        let thinned = buffer.counts().thinned;
+        println!(
+            "{hz} Hz, {delay_us} us: off by {worst}, {held} held, {thinned} of {sent} thinned"
+        );
+        assert!(worst < most && (held == 0 || delay_us == 0), "{hz} Hz: {worst}, {held} held");
+    }
+}
+
 #[test]
 fn a_source_that_ends_is_stale_in_time_and_begins_anew() {
     let mut buffer = buffer();

@@ -78,6 +78,10 @@ fn examples() {
         ("Arm, session 1, number 0", command(0, Command::Arm)),
         ("Play live frames, number 1", command(1, Command::Play(Feed::Live))),
         ("Heartbeat, number 300 of the stream", stream(300, Stream::Heartbeat)),
+        (
+            "Heard telemetry up to number 41, number 300 of the stream",
+            stream(300, Stream::Heard(41)),
+        ),
         ("Live frame of (0, 0.5), sent at 1.5 s, number 301", stream(301, Stream::Live(pose(2)))),
         (
             "Jog of degree of freedom 3 at 0.5 rad/s, number 302",
@@ -136,6 +140,7 @@ fn sizes() {
         ),
         ("Jog".to_owned(), frame(&stream(1000, Stream::Jog { dof: 3, velocity: 0.5 })).len()),
         ("Heartbeat".to_owned(), frame(&stream(1000, Stream::Heartbeat)).len()),
+        ("Heard".to_owned(), frame(&stream(1000, Stream::Heard(1000))).len()),
     ];
     for count in [6, 20, 64] {
         rows.push((
@@ -195,7 +200,7 @@ fn kinds() {
         let known = kinds.entry(of).or_default().entry(number).or_insert(name).clone();
         assert!(!known.is_empty());
     };
-    for _ in 0..20_000 {
+    for _ in 0..30_000 {
         let (a, b) =
             (common::messages::to_controller(&mut random), common::messages::to_host(&mut random));
         see("to the controller", kind(&a));

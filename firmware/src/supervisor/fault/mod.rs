@@ -67,13 +67,15 @@ pub enum Fault {
     ServoStopped = 20,
     /// A servo keeps its torque, though it was switched off.
     TorqueStuck = 21,
+    /// The host acknowledges nothing that it is told.
+    HostDeaf = 22,
     /// A joint swings. A warning.
     Swing = 64,
 }
 
 impl Fault {
     /// How many there are.
-    pub const COUNT: usize = 22;
+    pub const COUNT: usize = 23;
 
     /// All of them, by number.
     pub const ALL: [Self; Self::COUNT] = [
@@ -98,6 +100,7 @@ impl Fault {
         Self::Panic,
         Self::ServoStopped,
         Self::TorqueStuck,
+        Self::HostDeaf,
         Self::Swing,
     ];
 
@@ -135,6 +138,7 @@ impl Fault {
             Self::Panic => "panic",
             Self::ServoStopped => "servo has stopped",
             Self::TorqueStuck => "torque stuck",
+            Self::HostDeaf => "host deaf",
             Self::Swing => "swing",
         }
     }

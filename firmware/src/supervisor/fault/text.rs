@@ -39,6 +39,9 @@ impl Fault {
             Self::TorqueStuck => {
                 "torque was switched off, and a servo's register says that it is on"
             }
+            Self::HostDeaf => {
+                "the host acknowledged no telemetry for 2 s (setting of the link lost)"
+            }
             Self::Swing => {
                 "a joint shakes by 0.8 deg and more, 15 to 40 times a second: its gear is too soft for its gains"
             }
@@ -66,6 +69,7 @@ impl Fault {
             Self::BrownOut => "feed the board apart from the servos",
             Self::ServoStopped => "look at the bus and its cable; keep the record",
             Self::TorqueStuck => "cut its supply; restart the servo, or replace it",
+            Self::HostDeaf => "look at the wire from board to host; look at the host",
             Self::Swing => "tighten its horn and links; lighten what it moves; lower `swing_gain`",
         }
     }

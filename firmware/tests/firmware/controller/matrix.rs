@@ -141,7 +141,7 @@ fn plant(test_rig: &mut TestRig, fault: Fault, on: bool) {
             }
         }
         Fault::Overrun => test_rig.is_late = on,
-        Fault::SettingsBad | Fault::EStop => {
+        Fault::SettingsBad | Fault::EStop | Fault::HostDeaf => {
             test_rig.found = if on { FaultSet::of(fault) } else { FaultSet::EMPTY };
         }
         Fault::ShowBad if on => assert!(test_rig.controller.load_show(Some(&[0; 40])).is_err()),

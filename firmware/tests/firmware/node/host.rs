@@ -20,10 +20,16 @@ pub(crate) struct Host {
     pub(crate) beats: bool,
     /// Whether it takes what the controller sends.
     pub(crate) reads: bool,
+    /// The wire from the controller is dead.
+    pub(crate) is_deaf: bool,
+    /// The number of the newest telemetry.
+    heard: Option<u16>,
     pub(crate) outcome: Option<Outcome>,
     pub(crate) summaries: Vec<Summary>,
     pub(crate) parts: [u32; 4],
     pub(crate) faults: Vec<FaultRecord>,
+    /// What was said to another program.
+    pub(crate) others: Vec<ToHost>,
     /// Bytes of a frame that is not whole yet.
     cut: Vec<u8>,
     /// To the controller, and from it.
@@ -44,10 +50,13 @@ impl Host {
             beat_due_us: 0,
             beats: true,
             reads: true,
+            is_deaf: false,
+            heard: None,
             outcome: None,
             summaries: Vec::new(),
             parts: [0; 4],
             faults: Vec::new(),
+            others: Vec::new(),
             cut: Vec::new(),
             there: Line::new(trouble, seed),
             back: Line::new(trouble, seed ^ 1),
@@ -73,6 +82,11 @@ impl Host {
         self.send(&ToController::Stream(numbered), now_us);
     }
 
+    /// Says that it is there, and what it has heard.
+    pub(crate) fn beat(&mut self, now_us: u64) {
+        self.stream(self.heard.map_or(Stream::Heartbeat, Stream::Heard), now_us);
+    }
+
     /// Sends a command, of which [`Self::outcome`] says what came.
     pub(crate) fn ask(&mut self, command: Command, now_us: u64) {
         self.outcome = None;
@@ -90,6 +104,9 @@ impl Host {
     /// Bytes that the controller has sent, as frames on the line back.
     pub(crate) fn take(&mut self, bytes: &[u8], now_us: u64) {
         hash_of(&mut self.hashes[1], bytes);
+        if self.is_deaf {
+            return self.cut.clear();
+        }
         for byte in bytes {
             self.cut.push(*byte);
             if *byte == 0 && self.cut.len() > 1 {
@@ -110,16 +127,20 @@ impl Host {
                 ToHost::Welcome(welcome) if welcome.nonce == self.nonce => {
                     if self.welcome.is_none() {
                         self.sender = Sender::new(welcome.session);
+                        self.heard = None;
                     }
                     self.welcome = Some(welcome);
                 }
                 ToHost::Answer(answer) => {
                     if let Some(outcome) = self.sender.take(&answer) {
                         self.outcome = Some(outcome);
+                    } else {
+                        self.others.push(ToHost::Answer(answer));
                     }
                 }
                 ToHost::Fault(fault) => self.faults.push(fault),
                 ToHost::Telemetry(telemetry) => {
+                    self.heard = Some(telemetry.seq);
                     let part = match telemetry.part {
                         SnapshotPart::Summary(summary) => {
                             self.summaries.push(summary);
@@ -131,7 +152,7 @@ impl Host {
                     };
                     self.parts[part] += 1;
                 }
-                ToHost::Welcome(_) => {}
+                ToHost::Welcome(_) => self.others.push(message),
             }
         }
         if self.welcome.is_none() {
@@ -149,7 +170,7 @@ impl Host {
         }
         if self.beats && now_us >= self.beat_due_us {
             self.beat_due_us = now_us + 20_000;
-            self.stream(Stream::Heartbeat, now_us);
+            self.beat(now_us);
         }
     }
 }

@@ -135,7 +135,8 @@ impl Hostile {
     }
 
     fn stream(&mut self) -> Stream {
-        match self.below(4) {
+        match self.below(5) {
+            4 => Stream::Heard(self.below(1 << 16) as u16),
             0 => Stream::Heartbeat,
             1 => Stream::HoldToRun(Operator(self.below(3) as u8)),
             2 => Stream::Jog { dof: self.below(9) as u8, velocity: self.number() },

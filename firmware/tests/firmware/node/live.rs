@@ -10,6 +10,44 @@ use super::world::World;
 
 const LIVE: Trouble = Trouble { lost: 100, twice: 20, flipped: 20, jitter_us: 100_000 };
 
+/// 200 frames a second were `FeedSilent`: the buffer of 24 frames had none that was due. Any rate is played now.
+#[test]
+fn a_stream_of_any_rate_is_played() {
+    let kind = Kind::Current;
+    for hz in [20.0, 120.0, 200.0, 400.0] {
+        let mut world = World::ready(kind, Trouble::default(), 11, &show(kind, 1, false));
+        world.run(2.0);
+        world.arm();
+        world.until(State::Holding, 2.0);
+        let home: Vec<f32> = figure(kind).home.iter().map(|home| *home as f32).collect();
+        let (begin_us, mut sent, mut asked) = (world.now_us(), 0_u32, false);
+        for tick in 0..(8.0 / (world.tick_us() as f64 * 1e-6)) as u64 {
+            let now_us = world.now_us();
+            let due = ((now_us - begin_us) as f64 * 1e-6 * hz) as u32;
+            while sent < due {
+                sent += 1;
+                let sent_us = begin_us as u32 + (f64::from(sent) / hz * 1e6) as u32;
+                let frame = LiveFrame { sent_us, q: home.iter().copied().collect() };
+                world.host.stream(Stream::Live(frame), now_us);
+            }
+            if tick > 400 && !asked {
+                world.host.ask(Command::Play(Feed::Live), now_us);
+                asked = true;
+            }
+            world.tick();
+            if tick > 420 {
+                assert_eq!(
+                    world.state(),
+                    Some(State::Playing),
+                    "{hz} Hz: {:?}",
+                    world.host.outcome
+                );
+            }
+        }
+        assert!(world.host.faults.is_empty(), "{hz} Hz: {:?}", world.host.faults);
+    }
+}
+
 #[test]
 fn a_stream_with_jitter_and_loss_moves_smoothly() {
     let kind = Kind::Current;
@@ -27,6 +65,7 @@ fn a_stream_with_jitter_and_loss_moves_smoothly() {
             let t = now_us as f64 * 1e-6;
             let q = figure.home.iter().map(|home| (home + 0.4 * (1.5 * t).sin()) as f32).collect();
             world.host.stream(Stream::Live(LiveFrame { sent_us: now_us as u32, q }), now_us);
+            world.host.beat(now_us);
         }
         // One command after the other, each as soon as it can be.
         let next = match (asked, world.state()) {

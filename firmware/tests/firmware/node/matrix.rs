@@ -8,7 +8,9 @@ use std::collections::HashMap;
 use std::thread;
 
 use sinew_firmware::supervisor::{Clears, Fault, Reaction, State, TABLE};
-use sinew_link::message::{Command, Feed, Kind as ItemKind, Operator, Outcome, Value};
+use sinew_link::message::{
+    Command, Feed, Kind as ItemKind, Operator, Outcome, TelemetryParts, TelemetrySetting, Value,
+};
 use sinew_servo_sim::fault::{Fault as Damage, FaultKind};
 
 use super::cell::{Tried, measure, must_be, of_page, row, table};
@@ -33,8 +35,8 @@ const ALL: &str = "SINEW_NODE_ALL";
 /// Why a fault is not shown in a state.
 fn excuse(fault: Fault, state: State) -> Option<&'static str> {
     use Fault::{
-        BrownOut, FollowingError, LinkLost, NotFinite, ServoStopped, SettingsBad, ShowBad,
-        ShowForeign, Swing, TorqueStuck, WatchdogReset,
+        BrownOut, FollowingError, HostDeaf, LinkLost, NotFinite, ServoStopped, SettingsBad,
+        ShowBad, ShowForeign, Swing, TorqueStuck, WatchdogReset,
     };
     match fault {
         NotFinite => Some("no byte says it"),
@@ -45,7 +47,7 @@ fn excuse(fault: Fault, state: State) -> Option<&'static str> {
         TorqueStuck if state.is_on() => Some("torque is to be on"),
         FollowingError | Swing if !state.is_on() => Some("nothing is followed"),
         FollowingError | Swing if state == State::Lowering => Some("it sinks on purpose"),
-        LinkLost if state == State::Arming => Some("over after 1 s"),
+        LinkLost | HostDeaf if state == State::Arming => Some("over after 1 s"),
         LinkLost if state == State::Playing => Some("link late holds it before"),
         _ => None,
     }
@@ -54,12 +56,13 @@ fn excuse(fault: Fault, state: State) -> Option<&'static str> {
 /// Why a row differs from that of the first table.
 fn why_it_differs(fault: Fault) -> Option<&'static str> {
     use Fault::{
-        BrownOut, FollowingError, HotMeasured, HotWinding, LinkLate, LinkLost, NotFinite, Panic,
-        Range, ServoError, ServoSilent, ServoStopped, SettingsBad, ShowBad, ShowForeign,
+        BrownOut, FollowingError, HostDeaf, HotMeasured, HotWinding, LinkLate, LinkLost, NotFinite,
+        Panic, Range, ServoError, ServoSilent, ServoStopped, SettingsBad, ShowBad, ShowForeign,
         SupplyHigh, SupplyLow, Swing, TorqueStuck, WatchdogReset,
     };
     Some(match fault {
         LinkLate | LinkLost => "the host's last beat was some ticks before",
+        HostDeaf => "the wire from the board is dead: counted from there",
         ServoSilent => "in off it is counted from the start",
         ServoError => "what is told in a tick counts in the next",
         HotMeasured | SupplyLow | SupplyHigh => "it is asked once in six ticks",
@@ -148,7 +151,25 @@ fn damage(world: &mut World, servo: usize, kind: FaultKind) {
 }
 
 /// From limp into a state. In `Off` a servo is silent.
-fn enter(world: &mut World, state: State, fault: Fault) {
+pub(super) fn enter(world: &mut World, state: State, fault: Fault) {
+    // While torque is off, the board tells only what it is asked for.
+    let asks = |world: &mut World| {
+        let telemetry = TelemetrySetting { rate_hz: 50.0, parts: TelemetryParts::SUMMARY };
+        world.ask(Command::SetTelemetry(telemetry));
+        world.run(0.1);
+    };
+    let is_deaf = fault == Fault::HostDeaf;
+    if is_deaf && state != State::Off {
+        asks(world);
+    }
+    bring(world, state, fault);
+    // Of a new start.
+    if is_deaf && state == State::Off {
+        asks(world);
+    }
+}
+
+fn bring(world: &mut World, state: State, fault: Fault) {
     match state {
         State::Off if fault == Fault::SettingsBad => {
             // Settings of the rig before, and another rig.
@@ -186,9 +207,9 @@ fn enter(world: &mut World, state: State, fault: Fault) {
                     // Away from home first.
                     world.ask(Command::Play(Feed::Show));
                     world.run(4.0);
-                    if fault == Fault::LinkLost {
+                    if matches!(fault, Fault::LinkLost | Fault::HostDeaf) {
                         // The way home takes less than the time-out: the link was cut before, and heat stops it.
-                        world.host.beats = false;
+                        plant(world, fault);
                         world.run(1.1);
                         world.told.lie.celsius = Some(66);
                         world.until(State::Stopping, 0.1);
@@ -240,6 +261,7 @@ fn plant(world: &mut World, fault: Fault) {
     world.told.lie = lie;
     match fault {
         Fault::LinkLate | Fault::LinkLost => world.host.beats = false,
+        Fault::HostDeaf => world.host.is_deaf = true,
         Fault::ServoSilent => damage(world, 0, FaultKind::Silent),
         Fault::TorqueStuck => damage(world, 0, FaultKind::TorqueStuck),
         Fault::Overrun => world.late_us = world.tick_us(),
@@ -260,6 +282,7 @@ fn mend(world: &mut World) {
     world.late_us = 0;
     world.pins.is_stopped = false;
     world.host.beats = true;
+    world.host.is_deaf = false;
 }
 
 /// A cell, from limp to limp.

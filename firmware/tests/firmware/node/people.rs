@@ -103,7 +103,7 @@ fn a_second_host_is_refused_while_torque_is_on_but_may_stop() {
     world.host.greet();
     world.run(0.1);
     let refused = world.host.welcome.unwrap();
-    assert_eq!((refused.session, refused.verdict), (first, Err(Misfit::Busy)));
+    assert_eq!((refused.session, refused.verdict), (0, Err(Misfit::Busy)));
     // An emergency stop of any session counts.
     let stop = message::Numbered { session: 0, seq: 9, item: Command::EStop };
     let now_us = world.now_us();

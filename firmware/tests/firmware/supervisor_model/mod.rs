@@ -34,7 +34,7 @@ fn a_fault_that_another_stands_for_breaks_no_rule_either() {
 /// What the checker says of a supervisor with a mistake.
 fn mistake(step: impl Fn(Mode, &Event) -> (Mode, Option<Answer>)) -> &'static str {
     // Faults that are needed for the mistake are enough.
-    let events = Events::new(&[Fault::EStop, Fault::HotMeasured]);
+    let events = Events::new(&[Fault::EStop, Fault::HotMeasured, Fault::HostDeaf]);
     let Err(violation) = check(&events, step) else { panic!("a planted mistake was not found") };
     violation.rule
 }
@@ -127,6 +127,33 @@ fn a_stop_that_pulls_a_rig_out_of_hands_is_found() {
         (next, answer.map(|answer| answer.map(|_| next.state)))
     });
     assert_eq!(rule, "what is in somebody's hands goes nowhere by itself");
+}
+
+/// The wire from the board is dead, and its host drives on.
+#[test]
+fn a_host_that_acknowledges_nothing_and_drives_on_is_found() {
+    let rule = mistake(|mode, event| {
+        let present = event.present.minus(FaultSet::of(Fault::HostDeaf));
+        let is_overheard = mode.state == State::Playing;
+        mode.next(&if is_overheard { Event { present, ..*event } } else { *event })
+    });
+    assert_eq!(rule, "no fault goes without its reaction");
+}
+
+/// It would say of itself that it hears again: by whatever comes next.
+#[test]
+fn a_deaf_host_whose_rig_is_armed_uncleared_is_found() {
+    let rule = mistake(|mode, event| {
+        let (mut next, answer) = mode.next(event);
+        if !event.present.contains(Fault::HostDeaf) {
+            next.latched = next.latched.minus(FaultSet::of(Fault::HostDeaf));
+            if next.state == State::Faulted && next.latched.is_empty() {
+                next.state = State::Limp;
+            }
+        }
+        (next, answer.map(|answer| answer.map(|_| next.state)))
+    });
+    assert_eq!(rule, "after a fault nothing is armed that was not cleared");
 }
 
 /// A mode is named by its state: what it follows fits.

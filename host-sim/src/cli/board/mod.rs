@@ -14,7 +14,7 @@ mod text;
 mod upload;
 
 pub(super) use arm::{READY, arm, check_rig};
-pub(super) use port::{PortBoard, open};
+pub(super) use port::{PortBoard, SilenceArg, open};
 pub(super) use text::{named, tell_faults};
 pub(super) use upload::{put, put_show};
 

@@ -1,9 +1,10 @@
-//! The option that names a controller's port.
+//! Options that name a controller's port, and how long a rig on it may be driven unheard.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use anyhow::anyhow;
-use sinew_board_client::{Board, ClientError, SerialBoard, port};
+use sinew_board_client::{Board, ClientError, SILENCE, SerialBoard, port};
 use sinew_host_util::command::note;
 
 /// A controller at a serial port.
@@ -16,6 +17,34 @@ pub(super) struct BoardPort {
     /// USB port where a board answers.
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = AUTO)]
     port: Option<PathBuf>,
+}
+
+/// The option of commands that drive a rig on a board.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub(in crate::cli) struct SilenceArg {
+    /// End after S seconds without a valid message of the board, from 0.2 to 60: it is told to stop, then this command
+    /// says nothing any more, so that the rig is lowered. Default: 1.
+    #[arg(long, value_name = "S", value_parser = silence, allow_negative_numbers = true)]
+    silence_s: Option<f64>,
+}
+
+impl SilenceArg {
+    /// Whether it is given.
+    pub(in crate::cli) fn is_given(self) -> bool {
+        self.silence_s.is_some()
+    }
+
+    /// How long a rig may be driven by a program that hears nothing.
+    pub(in crate::cli) fn time(self) -> Duration {
+        self.silence_s.map_or(SILENCE, Duration::from_secs_f64)
+    }
+}
+
+fn silence(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(seconds) if (0.2..=60.0).contains(&seconds) => Ok(seconds),
+        _ => Err("expected a number of seconds from 0.2 to 60".into()),
+    }
 }
 
 /// In place of a port.

@@ -46,11 +46,14 @@ struct Performance<'b, L> {
 /// Ctrl-C.
 pub(super) fn perform(
     path: &Path,
+    silence: Duration,
     parts: &RigParts,
     bytes: &[u8],
     rounds: Option<u32>,
 ) -> anyhow::Result<ExitCode> {
-    perform_on(&mut open(Some(path), "--target")?, parts, bytes, rounds)
+    let mut board = open(Some(path), "--target")?;
+    board.set_silence(silence);
+    perform_on(&mut board, parts, bytes, rounds)
 }
 
 /// The same on a board in a session.

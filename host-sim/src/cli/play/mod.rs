@@ -18,6 +18,7 @@ use sinew_performance::rig_hash;
 use sinew_servo_sim::variation::{Change, Variation};
 use sinew_show::Show;
 
+use super::board::SilenceArg;
 use super::clips::seconds;
 use super::driven::DrivenArgs;
 use super::performance::{ON_STAND, PerformanceArgs};
@@ -38,7 +39,7 @@ const ROUNDS: u32 = 2;
 /// On a terminal it plays in real time and shows the joints that follow worst. Ctrl-C stops the rig safely: it goes to
 /// rest, then torque is off. A second Ctrl-C ends at once.
 ///
-/// The exit code is 1 if a fault ended the show.
+/// The exit code is 1 if a fault ended the show, 2 if the board is not heard any more.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// A show of `sinew bake`; or a clip, built in or a file, which is baked as by `sinew bake --fit`.
@@ -73,6 +74,9 @@ pub(super) struct Args {
     /// May be repeated.
     #[arg(long, value_name = "NAME=FACTOR")]
     plant: Vec<Change>,
+
+    #[command(flatten)]
+    silence: SilenceArg,
 
     #[command(flatten)]
     pace: Pace,
@@ -152,7 +156,9 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     let bytes = args.read_or_bake(&rig, &mut parts, bare)?;
     let rounds = |is_watched| args.rounds(&Show::open(&bytes)?, is_watched);
     match (&args.target, nucleo) {
-        (Target::Port(port), _) => board::perform(port, &parts, &bytes, rounds(true)?),
+        (Target::Port(port), _) => {
+            board::perform(port, args.silence.time(), &parts, &bytes, rounds(true)?)
+        }
         (Target::Nucleo, Some(files)) => {
             // Nobody watches an emulated one in real time.
             nucleo::perform(&files, &rig, &parts, &bytes, rounds(false)?)
@@ -176,6 +182,8 @@ impl Args {
             self.target.refuse(&self.driven.given(), "simulated servos: the board has its own")?;
             let of_plant = [(!self.plant.is_empty(), "--plant")];
             self.target.refuse(&of_plant, "simulated servos: the board has its own")?;
+        } else {
+            self.target.refuse(&[(self.silence.is_given(), "--silence-s")], "a board at a port")?;
         }
         Ok(())
     }

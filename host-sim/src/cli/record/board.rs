@@ -20,12 +20,11 @@ use crate::cli::stop::Stop;
 const RATE_HZ: f32 = 100.0;
 /// How often the state is looked at.
 const LOOK: Duration = Duration::from_millis(20);
-/// Without telemetry for so long nobody is there.
-const SILENT: Duration = Duration::from_secs(1);
 
 /// What was measured between `teaching` or `floating` and Ctrl-C, or for so many seconds.
 pub(super) fn led(
     port: &Path,
+    silence: Duration,
     rig: &LoadedRig,
     parts: &RigParts,
     mode: Mode,
@@ -33,6 +32,7 @@ pub(super) fn led(
 ) -> anyhow::Result<RigMotion> {
     check_servos(parts, mode)?;
     let mut board = open(Some(port), "--target")?;
+    board.set_silence(silence);
     check_rig(&board, parts)?;
     // As often as there are ticks: how long one is, the board alone knows.
     let tick_s = f64::from(board.telemetry(f32::MAX, TelemetryParts::SUMMARY)?.rate_hz).recip();
@@ -131,14 +131,9 @@ impl TeachSession {
 
     /// Takes what comes; the state by a summary that is newer than what was asked for.
     fn look(&mut self) -> anyhow::Result<Option<State>> {
-        let (before, since) = (self.board.log.summaries, self.board.now());
+        let before = self.board.log.summaries;
         while self.board.log.summaries < before + 2 {
             self.board.step(LOOK)?;
-            let silent = self.board.now().saturating_sub(since);
-            ensure!(
-                silent < SILENT,
-                "the controller sends no telemetry any more: it holds, and is limp after 2 s"
-            );
             if self.stop.times() > 1 {
                 break;
             }

@@ -22,6 +22,7 @@ use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_servo_sim::variation::Variation;
 use sinew_show::write::Settings as ShowSettings;
 
+use super::board::SilenceArg;
 use super::clips::{rate, seconds};
 use super::guide::read_guide;
 use super::performance::{ON_STAND, PerformanceArgs};
@@ -49,6 +50,9 @@ pub(super) struct Args {
     /// End after S seconds of leading, on a board. Default: at Ctrl-C.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     seconds: Option<f64>,
+
+    #[command(flatten)]
+    silence: SilenceArg,
 
     /// The rig: rig.toml, URDF or MJCF.
     #[arg(long, value_name = "RIG")]
@@ -178,7 +182,13 @@ impl Args {
             (self.friction_scale.is_some(), "--friction-scale"),
         ];
         match &self.target {
-            Target::Sim => self.target.refuse(&[(self.seconds.is_some(), "--seconds")], "a board"),
+            Target::Sim => {
+                let of_board = [
+                    (self.seconds.is_some(), "--seconds"),
+                    (self.silence.is_given(), "--silence-s"),
+                ];
+                self.target.refuse(&of_board, "a board")
+            }
             Target::Port(_) => self.target.refuse(&of_sim, "`--target sim`"),
             Target::Nucleo => bail!("--target nucleo: expected `sim` or a serial port"),
         }
@@ -196,7 +206,7 @@ impl Args {
     /// What a controller measured while somebody led its rig.
     fn led_at(&self, port: &Path, rig: &LoadedRig) -> anyhow::Result<Led> {
         let parts = self.parts(rig)?;
-        Ok((board::led(port, rig, &parts, self.mode(), self.seconds)?, None))
+        Ok((board::led(port, self.silence.time(), rig, &parts, self.mode(), self.seconds)?, None))
     }
 
     /// What was measured while the scripted hand led.

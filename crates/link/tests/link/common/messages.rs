@@ -103,7 +103,8 @@ pub(crate) fn command(r: &mut Random) -> Command {
 }
 
 pub(crate) fn stream(r: &mut Random) -> Stream {
-    match r.below(4) {
+    match r.below(5) {
+        4 => Stream::Heard(r.bits() as u16),
         0 => Stream::Heartbeat,
         1 => Stream::HoldToRun(operator(r)),
         2 => Stream::Jog { dof: r.bits() as u8, velocity: r.finite() },

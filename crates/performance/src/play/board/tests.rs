@@ -9,8 +9,10 @@ use sinew_board_client::{Board, BoardServos, ClientError, Line, item};
 use sinew_firmware::node::{RIG_SCHEMA, SHOW_SCHEMA};
 use sinew_firmware::supervisor::State as Of;
 use sinew_link::message::{
-    Applied, Command, Feed, Kind, Misfit, Refusal, State, TelemetryParts, Version,
+    Applied, Command, Feed, Hello, Kind, Misfit, Numbered, Refusal, State, Stream, TelemetryParts,
+    ToController, ToHost, Version,
 };
+use sinew_link::{Decoder, FRAME_MAX, encode};
 use sinew_retarget::feasibility::RigMotion;
 use sinew_rig::Description;
 use sinew_rig::new::{arm, face};
@@ -29,6 +31,8 @@ const SECOND: Duration = Duration::from_secs(1);
 struct Shared<'a> {
     board: Rc<RefCell<SimulatedBoard<'a, RigPlant>>>,
     is_cut: Rc<RefCell<bool>>,
+    /// The wire from the board is dead.
+    is_deaf: Rc<RefCell<bool>>,
 }
 
 impl fmt::Debug for Shared<'_> {
@@ -50,7 +54,8 @@ impl Line for Shared<'_> {
     }
     fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize> {
         self.check()?;
-        self.board.borrow_mut().receive(into, wait)
+        let count = self.board.borrow_mut().receive(into, wait)?;
+        Ok(if *self.is_deaf.borrow() { 0 } else { count })
     }
     fn now(&self) -> Duration {
         self.board.borrow().now()
@@ -61,6 +66,7 @@ struct Desk<'a> {
     client: Board<Shared<'a>>,
     board: Rc<RefCell<SimulatedBoard<'a, RigPlant>>>,
     is_cut: Rc<RefCell<bool>>,
+    is_deaf: Rc<RefCell<bool>>,
     parts: &'a RigParts,
     /// Of one second.
     show: Vec<u8>,
@@ -94,9 +100,14 @@ fn rig_on_desk(
         let board = SimulatedBoard::new(&parts, &mut memories, plant, chip).unwrap();
         let board = Rc::new(RefCell::new(board));
         let is_cut = Rc::new(RefCell::new(false));
-        let line = Shared { board: Rc::clone(&board), is_cut: Rc::clone(&is_cut) };
+        let is_deaf = Rc::new(RefCell::new(false));
+        let line = Shared {
+            board: Rc::clone(&board),
+            is_cut: Rc::clone(&is_cut),
+            is_deaf: Rc::clone(&is_deaf),
+        };
         let client = Board::connect(line, 7, SECOND).unwrap();
-        test(Desk { client, board, is_cut, parts: &parts, show });
+        test(Desk { client, board, is_cut, is_deaf, parts: &parts, show });
     };
     std::thread::scope(|scope| {
         let builder = std::thread::Builder::new().stack_size(64 << 20);
@@ -113,6 +124,34 @@ impl Desk<'_> {
             }
         }
         panic!("{state} does not come: {:?}", self.client.log);
+    }
+
+    /// Uploads the desk's show, arms, and plays it.
+    fn begin_show(&mut self) {
+        let show = self.show.clone();
+        let of_show = item(Kind::Show, SHOW_SCHEMA, &show, self.parts.rig_crc(), "Ada").unwrap();
+        self.client.upload(&of_show, &show, &mut |_| ()).unwrap();
+        self.client.ask(Command::LoadShow { slot: 0 }).unwrap();
+        self.arm();
+        self.client.ask(Command::Play(Feed::Show)).unwrap();
+        self.until(State::Playing);
+    }
+
+    /// The states of a board that nobody talks to, until it is limp, and since when, ms.
+    fn states(&self) -> Vec<(Of, u64)> {
+        let mut board = self.board.borrow_mut();
+        let begun_us = board.now_us();
+        let mut came = Vec::new();
+        while board.now_us() < begun_us + 20_000_000
+            && !matches!(board.state(), Some(Of::Faulted | Of::Limp))
+        {
+            board.tick();
+            let state = board.state().unwrap();
+            if came.last().is_none_or(|(last, _)| *last != state) {
+                came.push((state, (board.now_us() - begun_us) / 1000));
+            }
+        }
+        came
     }
 
     /// Uploads the desk's show, which the board does not have, arms, and plays it to its end.
@@ -188,42 +227,123 @@ fn a_board_drives_by_voltage_what_a_wiring_says_so_of() {
 #[test]
 fn versions_that_do_not_fit_are_both_named() {
     on_desk(false, |desk| {
-        let Desk { client, board, is_cut, .. } = desk;
+        let Desk { client, board, is_cut, is_deaf, .. } = desk;
         drop(client);
         let board = Rc::into_inner(board).unwrap().into_inner();
         let newer = Version { major: 2, minor: 3 };
         let board = Rc::new(RefCell::new(board.speaking(newer).unwrap()));
-        let error = Board::connect(Shared { board, is_cut }, 8, SECOND).unwrap_err();
+        let error = Board::connect(Shared { board, is_cut, is_deaf }, 8, SECOND).unwrap_err();
         assert!(matches!(error, ClientError::Misfit(Misfit::Version { .. })), "{error}");
         let text = error.to_string();
         assert!(text.contains("2.3") && text.contains(&Version::CURRENT.to_string()), "{text}");
     });
 }
 
+/// The wire from the board alone is dead. The host says `Stop` and is silent; before, it drove on and kept the rig
+/// armed.
+#[test]
+fn a_host_that_hears_nothing_stops_the_rig_and_is_silent() {
+    on_desk(false, |mut desk| {
+        desk.begin_show();
+        *desk.is_deaf.borrow_mut() = true;
+        let begun = desk.client.now();
+        let error = loop {
+            match desk.client.step(SECOND / 20) {
+                Ok(()) => assert!(desk.client.now() < begun + 2 * SECOND, "it goes on"),
+                Err(error) => break error,
+            }
+        };
+        let text = error.to_string();
+        assert!(matches!(error, ClientError::Deaf(silence) if silence == SECOND), "{text}");
+        assert!(text.contains("for 1 s") && text.contains("wire"), "{text}");
+        // Heard less than one period of telemetry before.
+        let ended = desk.client.now().saturating_sub(begun);
+        assert!((SECOND * 19 / 20..SECOND * 6 / 5).contains(&ended), "{ended:?}");
+        assert_eq!(desk.board.borrow().state(), Some(Of::Stopping));
+        // Whatever the program tries behind that: nothing is said, but an emergency stop of a person.
+        for error in [
+            desk.client.step(SECOND).unwrap_err(),
+            desk.client.ask(Command::Hold).unwrap_err(),
+            desk.client.run(SECOND).unwrap_err(),
+        ] {
+            assert!(matches!(error, ClientError::Deaf(_)), "{error}");
+        }
+        let came = desk.states();
+        // On its way to the rest pose, or there: lowered, and limp. The link is lost at last.
+        let names: Vec<Of> = came.iter().map(|(state, _)| *state).collect();
+        assert!(names.starts_with(&[Of::Stopping, Of::Lowering]), "{came:?}");
+        assert!(matches!(names.last(), Some(Of::Faulted | Of::Limp)), "{came:?}");
+    });
+}
+
+/// A host of before the acknowledgement hears nothing and drives on: its beats keep the rig armed, as they did. One
+/// that says that it acknowledges, and does not, is stopped by the board.
+#[test]
+fn a_board_ends_the_session_of_a_host_that_acknowledges_nothing() {
+    for (minor, ends) in [(1, false), (2, true)] {
+        on_desk(false, |desk| {
+            let Desk { client, board, is_cut, is_deaf, .. } = desk;
+            drop((client, is_cut, is_deaf));
+            let mut board = Rc::into_inner(board).unwrap().into_inner();
+            let mut bytes = [0; FRAME_MAX];
+            let mut say = |board: &mut SimulatedBoard<'_, RigPlant>, message: ToController| {
+                board.give(encode(&message, &mut bytes).unwrap());
+            };
+            let protocol = Version { minor, ..Version::CURRENT };
+            say(&mut board, ToController::Hello(Hello { protocol, nonce: 99 }));
+            (0..4).for_each(|_| board.tick());
+            let session = welcomed(&mut board);
+            let (mut seq, begun_us) = (0, board.now_us());
+            let mut came = Vec::new();
+            while board.now_us() < begun_us + 20_000_000 {
+                let beat = Numbered { session, seq, item: Stream::Heartbeat };
+                say(&mut board, ToController::Stream(beat));
+                if board.state() == Some(Of::Limp) && seq < 60 {
+                    let arm = Numbered { session, seq, item: Command::Arm };
+                    say(&mut board, ToController::Command(arm));
+                }
+                seq += 1;
+                (0..20).for_each(|_| board.tick());
+                let state = board.state().unwrap();
+                if came.last().is_none_or(|(last, _)| *last != state) {
+                    came.push((state, board.now_us() - begun_us));
+                }
+            }
+            let at = |of| came.iter().find(|(state, _)| *state == of).map(|(_, us)| *us);
+            assert!(at(Of::Holding).is_some(), "{came:?}");
+            let [armed, stopped] = [Of::Arming, Of::Stopping].map(at);
+            assert_eq!(stopped.is_some(), ends, "1.{minor}: {came:?}");
+            assert_eq!(board.state(), Some(if ends { Of::Faulted } else { Of::Holding }));
+            if let (Some(armed), Some(stopped)) = (armed, stopped) {
+                let after_s = (stopped - armed) as f64 * 1e-6;
+                assert!((1.9..2.4).contains(&after_s), "{came:?}");
+            }
+        });
+    }
+}
+
+/// The session that a board gave last.
+fn welcomed(board: &mut SimulatedBoard<'_, RigPlant>) -> u16 {
+    let (mut decoder, mut bytes) = (Decoder::<ToHost>::new(), vec![0; 1 << 16]);
+    let count = board.receive(&mut bytes, Duration::ZERO).unwrap();
+    let mut session = None;
+    decoder.feed(&bytes[..count], |message| {
+        if let ToHost::Welcome(welcome) = message {
+            session = Some(welcome.session);
+        }
+    });
+    session.unwrap()
+}
+
 /// The board alone: it holds, is lowered, and is limp.
 #[test]
 fn a_board_that_is_unplugged_holds_and_then_is_limp() {
     on_desk(false, |mut desk| {
-        let show = desk.show.clone();
-        let of_show = item(Kind::Show, SHOW_SCHEMA, &show, desk.parts.rig_crc(), "Ada").unwrap();
-        desk.client.upload(&of_show, &show, &mut |_| ()).unwrap();
-        desk.client.ask(Command::LoadShow { slot: 0 }).unwrap();
-        desk.arm();
-        desk.client.ask(Command::Play(Feed::Show)).unwrap();
-        desk.until(State::Playing);
+        desk.begin_show();
         *desk.is_cut.borrow_mut() = true;
         let error = desk.client.step(SECOND).unwrap_err().to_string();
         assert!(error.contains("unplugged") && error.contains("limp"), "{error}");
-        let mut board = desk.board.borrow_mut();
-        let begun_us = board.now_us();
-        let mut came = Vec::new();
-        while board.now_us() < begun_us + 10_000_000 && board.state() != Some(Of::Faulted) {
-            board.tick();
-            let state = board.state().unwrap();
-            if came.last().is_none_or(|(last, _)| *last != state) {
-                came.push((state, (board.now_us() - begun_us) / 1000));
-            }
-        }
+        let came = desk.states();
         let at = |of: Of| came.iter().find(|(state, _)| *state == of).map(|(_, ms)| *ms);
         let [holds, lowers] = [Of::Holding, Of::Lowering].map(|of| at(of).unwrap());
         // Heartbeats come every 50 ms, and the last may be that old.
