@@ -1,6 +1,5 @@
 //! `sinew servo tap`: stiffness and damping of a gear, into the rig file.
 
-use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -16,11 +15,11 @@ use sinew_servo_tools::rig_file::{replace, with_gear};
 use sinew_servo_tools::rig_servo::{RigServo, of_bus};
 use sinew_servo_tools::tap::{Load, PARTS, Settings, TapTest, Tapped};
 
-use super::line::LineArgs;
+use super::line::{LineArgs, open_rig_servo};
+use super::prompt::Prompt;
 use super::rig::find_rate;
 use super::tapped_sim::{self, TargetArg};
 use crate::cli::rig::read;
-use crate::cli::stop::Stop;
 
 /// Measure stiffness and damping of a servo's gear by a tap test, and write them into the rig file.
 ///
@@ -28,8 +27,8 @@ use crate::cli::stop::Stop;
 /// far it moves, and with how much torque, is said before. Stand the rig at its home pose, and hold all other joints of
 /// the servo's limb: what hangs on it must be stiff. Its inertia is that of the rig file.
 ///
-/// It asks before it moves. At Ctrl-C (after the tap that is under way) and at each error the servo goes back, and all
-/// its registers are as before; a servo that was limp is limp again. `gear_stiffness_nm_rad` and `gear_damping_nm_s` of
+/// It asks before it moves. At Ctrl-C and at each error the servo brakes, and all its registers are as before; a servo
+/// that was limp is limp again. `gear_stiffness_nm_rad` and `gear_damping_nm_s` of
 /// its kind are written: for all servos of this kind. Taps that tell too little are no result: exit code 2. Play is not
 /// measured.
 #[derive(Debug, clap::Args)]
@@ -157,7 +156,7 @@ fn on_port(
 ) -> anyhow::Result<Tapped> {
     let mut client = line.client()?;
     find_rate(line, &mut client, std::slice::from_ref(servo))?;
-    let found = servo.open(&mut client)?;
+    let found = open_rig_servo(&mut client, servo)?;
     let test = TapTest::new(&mut client, &found, &servo.model, settings)?;
     note(format_args!(
         "{} (id {}): {} taps move it by up to {:.0} deg, with up to {:.0} % of its torque. Stand the rig at its home \
@@ -170,12 +169,9 @@ fn on_port(
     ));
     if !args.yes {
         note(format_args!("Enter begins; Ctrl-C ends it at any time."));
-        if io::stdin().read_line(&mut String::new())? == 0 {
-            bail!("the input ended; nothing moved");
-        }
+        Prompt::new().enter(|| Ok(client.ensure_going()?))?;
     }
-    let stop = Stop::new()?;
-    Ok(test.run(&mut client, &mut |_| stop.times() == 0)?)
+    Ok(test.run(&mut client)?)
 }
 
 /// As a table: what was found, how sure it is, and what the file had.
