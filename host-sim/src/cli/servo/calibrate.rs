@@ -6,9 +6,10 @@ use std::process::ExitCode;
 
 use anyhow::Context as _;
 use sinew_host_util::command::note;
+use sinew_host_util::output::{try_to_write, write};
 use sinew_rig::{Description, toml_file};
 use sinew_servo_tools::calibrate::{Calibration, drives_of, home_of, offsets};
-use sinew_servo_tools::rig_file::{edited, replace};
+use sinew_servo_tools::rig_file::edited;
 use sinew_servo_tools::rig_servo::{RigServo, of_bus};
 
 use super::line::{LineArgs, PortClient, open_rig_servo};
@@ -54,6 +55,8 @@ pub(super) fn run(line: &LineArgs, args: &CalibrateArgs) -> anyhow::Result<ExitC
         .with_context(|| format!("{}: calibration needs a rig.toml", name()))?;
     let servos = of_bus(&rig, args.rig_bus.as_deref())?;
     let drives = drives_of(&rig, &args.joints)?;
+    // A person moves each joint for it.
+    try_to_write(&args.rig)?;
     let mut client = line.client()?;
     find_rate(line, &mut client, &servos)?;
     let prompt = Prompt::new();
@@ -63,7 +66,7 @@ pub(super) fn run(line: &LineArgs, args: &CalibrateArgs) -> anyhow::Result<ExitC
             continue;
         }
         text = one(&mut client, &rig, drive, &of_drive, args.margin_deg, &text, &prompt)?;
-        replace(&args.rig, &text).with_context(name)?;
+        write(&args.rig, &text)?;
         note(format_args!("wrote {}", name()));
     }
     Ok(ExitCode::SUCCESS)

@@ -5,13 +5,13 @@ use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
 use sinew_host_util::command::{note, print, table};
-use sinew_host_util::output::write;
+use sinew_host_util::output::{try_to_write, write};
 use sinew_performance::rig::LoadedRig;
 use sinew_rig::description::SourcedValue;
 use sinew_servo_sim::load::{Load as _, Shaft};
 use sinew_servo_sim::rig::{RigServo as Loaded, servos};
 use sinew_servo_sim::variation::Change;
-use sinew_servo_tools::rig_file::{replace, with_gear};
+use sinew_servo_tools::rig_file::with_gear;
 use sinew_servo_tools::rig_servo::{RigServo, of_bus};
 use sinew_servo_tools::tap::{Load, PARTS, Settings, TapTest, Tapped};
 
@@ -19,6 +19,7 @@ use super::line::{LineArgs, open_rig_servo};
 use super::prompt::Prompt;
 use super::rig::find_rate;
 use super::tapped_sim::{self, TargetArg};
+use crate::cli::output::OutputPath;
 use crate::cli::rig::read;
 
 /// Measure stiffness and damping of a servo's gear by a tap test, and write them into the rig file.
@@ -43,7 +44,7 @@ pub(super) struct TapArgs {
 
     /// New file to write, in place of the rig's own.
     #[arg(short, long, value_name = "FILE", conflicts_with = "dry_run")]
-    output: Option<PathBuf>,
+    output: Option<OutputPath>,
 
     /// Print only; write no file.
     #[arg(long)]
@@ -95,6 +96,9 @@ pub(super) fn run(line: &LineArgs, args: &TapArgs) -> anyhow::Result<ExitCode> {
     if let Some(path) = args.output.as_ref().filter(|path| path.exists()) {
         bail!("{}: is there already", path.display());
     }
+    if args.output.is_none() && !args.dry_run {
+        try_to_write(&args.rig)?;
+    }
     let text = sinew_mocap::read::text(&args.rig).with_context(name)?;
     let loaded = read(&args.rig)?;
     let servo = of_name(&loaded, &args.servo)?;
@@ -116,9 +120,9 @@ pub(super) fn run(line: &LineArgs, args: &TapArgs) -> anyhow::Result<ExitCode> {
     let text = with_gear(&text, &servo.model.name, sourced(&servo, &tapped, args.target))?;
     match &args.output {
         Some(path) => write(path, &text)?,
-        None => replace(&args.rig, &text).with_context(name)?,
+        None => write(&args.rig, &text)?,
     }
-    let path = args.output.as_ref().unwrap_or(&args.rig);
+    let path = args.output.as_deref().unwrap_or(&args.rig);
     note(format_args!("wrote {} into {}", servo.model.name, path.display()));
     Ok(ExitCode::SUCCESS)
 }
