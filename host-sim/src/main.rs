@@ -8,6 +8,7 @@
 //!   `page`); its other commands are `cli/robustness`, `latency`, `sweep`, `verify` and `figure`.
 //! - `cli/clips`, `methods`, `setup`, `unit_args`, `performance`, `driven`, `target`: options that commands share.
 //! - `cli/guide`, `stack`, `stop`, `renamed`: a scripted hand; a large stack; Ctrl-C; names of before.
+//! - `cli/output`: files to write, compared with those that a command reads, and tried.
 //! - `inspect/`: a file of motion, a character or a rig, recognized and described.
 
 mod cli;

@@ -70,7 +70,12 @@ impl Line for SerialBoard {
         self.port.set_read_timeout(wait.max(Duration::from_millis(1)))?;
         match self.port.read(into) {
             Ok(0) => Err(io::ErrorKind::UnexpectedEof.into()),
-            Err(error) if error.kind() == io::ErrorKind::TimedOut => Ok(0),
+            // A signal that came meanwhile is told elsewhere.
+            Err(error)
+                if matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::Interrupted) =>
+            {
+                Ok(0)
+            }
             read => read,
         }
     }

@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use sinew_servo_bus::table::Item;
+
 use crate::ping_reply::Miss;
 use crate::store::{ensure_at_rest, open_eeprom, shut_eeprom};
 use crate::table::Role;
@@ -38,9 +40,19 @@ pub fn set_id<E: Exchange>(
     }
     let item = servo.table.role(Role::Id)?;
     ensure_at_rest(client, servo, item.name)?;
+    client.whole(|client| write_id(client, servo, &item, new))
+}
+
+/// Writes an id: begun, it is finished.
+fn write_id<E: Exchange>(
+    client: &mut Client<E>,
+    servo: &Servo,
+    item: &Item,
+    new: u8,
+) -> Result<Servo, ServiceError> {
     for _ in 0..TRIES {
         open_eeprom(client, servo)?;
-        let request = Client::<E>::write_request(servo, &item, new.into())?;
+        let request = Client::<E>::write_request(servo, item, new.into())?;
         client.send(servo.id, &request)?;
         if client.ping(new, TRIES)?.is_ok() {
             shut_eeprom(client, servo, new)?;
@@ -86,9 +98,20 @@ pub fn set_baud<E: Exchange>(
     client.set_baud(before)?;
     ensure_at_rest(client, servo, item.name)?;
     let request = Client::<E>::write_request(servo, &item, i32::try_from(code).unwrap_or(0))?;
+    client.whole(|client| write_baud(client, servo, &request, baud))
+}
+
+/// Writes a rate and follows: begun, it is finished.
+fn write_baud<E: Exchange>(
+    client: &mut Client<E>,
+    servo: &Servo,
+    request: &[u8],
+    baud: u32,
+) -> Result<(), ServiceError> {
+    let before = client.baud();
     for _ in 0..TRIES {
         open_eeprom(client, servo)?;
-        client.send(servo.id, &request)?;
+        client.send(servo.id, request)?;
         client.pause(SETTLE);
         client.set_baud(baud)?;
         if client.ping(servo.id, TRIES)?.is_ok() {

@@ -6,9 +6,10 @@ use sinew_rig::Description;
 use sinew_rig::description::{Joint, JointType};
 use sinew_servo_bus::table::Item;
 
+use crate::follow::Follow;
 use crate::rig_file::ServoChange;
 use crate::rig_servo::{RigServo, own_rad};
-use crate::store::set_torque;
+use crate::store::{set_torque, torque_is_on};
 use crate::table::Role;
 use crate::{Client, Exchange, ServiceError, Servo};
 
@@ -16,6 +17,8 @@ use crate::{Client, Exchange, ServiceError, Servo};
 pub const LOOK_EVERY: Duration = Duration::from_millis(50);
 /// A range that is smaller than this was not gone through.
 const LEAST_RANGE_DEG: f64 = 5.0;
+/// No hand turns a joint faster.
+const MOST_DEG_S: f64 = 1500.0;
 
 /// A servo that a person moves.
 #[derive(Debug, Clone)]
@@ -27,6 +30,7 @@ pub struct Track {
     now: i32,
     ends: [i32; 2],
     crossed_seam: bool,
+    follow: Follow,
 }
 
 impl Track {
@@ -80,6 +84,7 @@ impl Calibration {
             set_torque(client, servo, false)?;
             let item = servo.table.role(Role::PresentPosition)?;
             let now = client.read(servo, &item)?;
+            let follow = Follow::new(&item, MOST_DEG_S).over_seam(servo.table.counts());
             let mut track = Track {
                 name: rig.name.clone(),
                 servo: servo.clone(),
@@ -87,6 +92,7 @@ impl Calibration {
                 now,
                 ends: [now; 2],
                 crossed_seam: false,
+                follow,
             };
             track.take(now);
             tracks.push(track);
@@ -97,10 +103,18 @@ impl Calibration {
     /// Looks where they are.
     ///
     /// # Errors
-    /// Those of [`Client::read_bytes`].
+    /// Those of [`Client::read_bytes`], and [`ServiceError::State`] if torque came on, or one is where no hand can have
+    /// turned it.
     pub fn look<E: Exchange>(&mut self, client: &mut Client<E>) -> Result<(), ServiceError> {
         for track in &mut self.tracks {
+            let id = track.servo.id;
+            if torque_is_on(client, &track.servo)? {
+                let what = "its torque came on while a hand moved it: another program talks to it, or it is broken";
+                return Err(ServiceError::State { id, what: what.to_owned() });
+            }
             let counts = client.read(&track.servo, &track.item)?;
+            let possible = track.follow.take(client.now(), counts);
+            possible.map_err(|what| ServiceError::State { id, what })?;
             track.take(counts);
         }
         Ok(())

@@ -1,6 +1,8 @@
 //! Who talks to servos on a line: packets, replies, and asking again.
 
 use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use sinew_servo_bus::dynamixel::{self, ErrorCode, StatusError};
@@ -33,6 +35,10 @@ pub struct Client<E> {
     protocol: Protocol,
     baud: u32,
     settings: Settings,
+    /// Set when a person, or the system, wants the program to end.
+    stop: Option<Arc<AtomicBool>>,
+    /// Whether something is under way that is finished first.
+    is_whole: bool,
 }
 
 /// Bits of a byte on the wire, with start and stop.
@@ -51,9 +57,35 @@ impl<E: Exchange> Client<E> {
         baud: u32,
         settings: Settings,
     ) -> Result<Self, ServiceError> {
-        let mut client = Self { line, protocol, baud, settings };
+        let mut client = Self { line, protocol, baud, settings, stop: None, is_whole: false };
         client.set_baud(baud)?;
         Ok(client)
+    }
+
+    /// Ends what is under way with [`ServiceError::Stopped`] once the flag is set. What a tool has changed of servos is
+    /// put back meanwhile, whatever the flag says.
+    pub fn stop_at(&mut self, flag: Arc<AtomicBool>) {
+        self.stop = Some(flag);
+    }
+
+    /// Refuses to go on once the flag of [`Self::stop_at`] is set.
+    ///
+    /// # Errors
+    /// [`ServiceError::Stopped`].
+    pub fn ensure_going(&self) -> Result<(), ServiceError> {
+        let is_set = |flag: &Arc<AtomicBool>| flag.load(Ordering::Relaxed);
+        if !self.is_whole && self.stop.as_ref().is_some_and(is_set) {
+            return Err(ServiceError::Stopped);
+        }
+        Ok(())
+    }
+
+    /// Does what must not end half-way.
+    pub(crate) fn whole<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
+        let before = std::mem::replace(&mut self.is_whole, true);
+        let done = work(self);
+        self.is_whole = before;
+        done
     }
 
     /// The protocol.
@@ -110,6 +142,7 @@ impl<E: Exchange> Client<E> {
         patience: Duration,
         mut enough: impl FnMut(&[Reply]) -> bool,
     ) -> Result<ReceivedReply, ServiceError> {
+        self.ensure_going()?;
         let wait = self.wait(request.len() + reply_len, patience);
         let (protocol, mut heard) = (self.protocol, Vec::new());
         self.line.exchange(request, wait, &mut |bytes| {

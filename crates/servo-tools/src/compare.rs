@@ -3,8 +3,9 @@
 use sinew_servo_bus::table::{Area, ByteOrder};
 
 use crate::desired::Setting;
+use crate::guard::Guard;
 use crate::quantity::{Quantity, quantity};
-use crate::store::{set_torque, store, torque_is_on};
+use crate::store::{set_torque, torque_is_on};
 use crate::{Client, Exchange, Registers, ServiceError, Servo};
 
 /// A register that holds something else than it should.
@@ -76,7 +77,8 @@ pub struct Applied {
     pub let_go: bool,
 }
 
-/// Writes what is different, EEPROM first: a change of mode sets gains back. Reads back, and compares again.
+/// Writes what is different, EEPROM first: a change of mode sets gains back. Reads back, and compares again. Where
+/// something fails or a signal ends it, all registers are as before.
 ///
 /// `release`: EEPROM is written only at rest, and the torque of the servo may be switched off for it. It stays off.
 ///
@@ -88,6 +90,17 @@ pub fn apply<E: Exchange>(
     settings: &[Setting],
     release: bool,
 ) -> Result<Applied, ServiceError> {
+    let mut guard = Guard::begin(client, servo)?;
+    let applied = apply_all(&mut guard, settings, release);
+    guard.keep(applied)
+}
+
+fn apply_all<E: Exchange>(
+    guard: &mut Guard<'_, E>,
+    settings: &[Setting],
+    release: bool,
+) -> Result<Applied, ServiceError> {
+    let (client, servo) = guard.parts();
     let mut applied = Applied { written: diff(client, servo, settings)?, let_go: false };
     if let Some(kept) = applied.written.iter().find(|difference| difference.is_kept)
         && torque_is_on(client, servo)?
@@ -99,16 +112,16 @@ pub fn apply<E: Exchange>(
         applied.let_go = true;
     }
     for area in [Area::Eeprom, Area::Ram] {
-        for difference in diff(client, servo, settings)? {
+        for difference in diff(guard.client(), servo, settings)? {
             let setting =
                 settings.iter().find(|setting| setting.item.address == difference.address);
             if let Some(Setting { item, raw }) = setting.filter(|setting| setting.item.area == area)
             {
-                store(client, servo, item, *raw)?;
+                guard.change(item, *raw)?;
             }
         }
     }
-    match diff(client, servo, settings)?.first() {
+    match diff(guard.client(), servo, settings)?.first() {
         None => Ok(applied),
         Some(left) => Err(Registers::NotKept {
             id: servo.id,

@@ -140,6 +140,19 @@ pub enum ServiceError {
         /// What was changed.
         what: String,
     },
+    /// A signal came: Ctrl-C, or the system's wish that the program ends.
+    #[error("it was ended by a signal")]
+    Stopped,
+    /// It failed, and the servo is not as it was before.
+    #[error("{why}. And servo {id} is not as it was: {left}")]
+    NotRestored {
+        /// Which.
+        id: u8,
+        /// Why it failed.
+        why: Box<Self>,
+        /// What could not be put back.
+        left: Box<Self>,
+    },
     /// It is in trouble.
     #[error("servo {id} reports {what}. {help}")]
     Fault {

@@ -4,16 +4,20 @@ use std::time::Duration;
 
 use sinew_servo_bus::table::{Item, Range};
 
+use crate::guard::Guard;
 use crate::quantity::Scale;
-use crate::store::{set_torque, store, torque_is_on};
 use crate::table::Role;
-use crate::{Client, Exchange, ServiceError, Servo, Table, watch};
+use crate::{Client, Exchange, ServiceError, Servo, Table};
 
 /// How far it moves to either side: servos with much friction stop 3 degrees short.
 const WIGGLE_DEG: f64 = 6.0;
 const SPEED_DEG_S: f64 = 15.0;
+/// A gear that sticks and slips is faster than its goal.
+const MOST_DEG_S: f64 = 3.0 * SPEED_DEG_S;
 const ACCELERATION_DEG_S2: f64 = 100.0;
-/// Limits of torque for a servo that was limp: it must lift what hangs on it, and hurt nobody.
+/// How long a servo without a speed has for each way, ms: also the mark of a servo that was left on its way.
+pub(crate) const RUNNING_TIME_MS: i32 = 500;
+/// Limits of torque beside what it holds: it must lift what hangs on it, and hurt nobody.
 const SHARE: f64 = 0.3;
 /// From one side to the other takes 0.95 s.
 const WAY: Duration = Duration::from_secs(1);
@@ -22,6 +26,8 @@ const LOOK: Duration = Duration::from_millis(50);
 const THERE_DEG: f64 = 10.0;
 /// Where its position changes by so much when torque comes, it has another zero than it said.
 const REBASED_DEG: f64 = 45.0;
+/// Parts of a way that a servo goes which does move: one with much friction half of it.
+const MOVED: [f64; 2] = [0.25, 1.5];
 
 /// What a wiggle came to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,60 +42,38 @@ pub struct Identified {
 
 /// Moves a servo by a few degrees to either side and back, with its light on where there is one. A servo that was limp
 /// is limp afterwards, one that held holds what it held; all registers are as before, also where something fails on the
-/// way.
+/// way, or a signal ends it.
 ///
 /// # Errors
-/// [`ServiceError::Fault`] if it reports trouble, [`ServiceError::State`] if it moves, is in no mode of position or
-/// stands outside of its limits.
+/// [`ServiceError::Fault`] if it reports trouble, also while it moves; [`ServiceError::State`] if it moves before, is
+/// in no mode of position, stands outside of its limits, does not move as it is told, is limp all at once or jumps;
+/// [`ServiceError::Stopped`].
 pub fn identify<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
 ) -> Result<Identified, ServiceError> {
-    let state = ensure_no_fault(client, servo)?;
-    let was_on = torque_is_on(client, servo)?;
-    ensure_it_stands_in_position_mode(client, servo, was_on)?;
-    let goal = servo.table.role(Role::GoalPosition)?;
-    let place = state.position.raw;
-    let held = if was_on { client.read(servo, &goal)? } else { place };
-    let ends = ends(client, servo, held)?;
+    let mut guard = Guard::begin_move(client, servo, MOST_DEG_S)?;
+    let shown = show(&mut guard);
+    guard.end(shown)
+}
 
-    let gentle = gentle(client, servo, was_on)?;
-    let mut before = Vec::new();
-    for (item, _) in &gentle {
-        before.push((*item, client.read(servo, item)?));
+/// Shows itself.
+fn show<E: Exchange>(guard: &mut Guard<'_, E>) -> Result<Identified, ServiceError> {
+    let (was_on, held) = (guard.was_on(), guard.held());
+    let (client, servo) = guard.parts();
+    ensure_it_stands_in_position_mode(client, servo, was_on)?;
+    let ends = ends(client, servo, held)?;
+    for (item, raw) in gentle(client, servo, was_on)? {
+        guard.change(&item, raw)?;
     }
-    let moved =
-        set_all(client, servo, &gentle).and_then(|()| wiggle(client, servo, held, ends, was_on));
-    // The light goes out last, and what was weak is strong again only when nothing moves.
-    let calm =
-        if was_on { store(client, servo, &goal, held) } else { set_torque(client, servo, false) };
-    let restored = set_all(client, servo, &before);
-    let moved = moved?;
-    calm.and(restored)?;
-    let degrees = |counts: i32| Scale::of(&goal).quantity(counts).value;
+    let moved = wiggle(guard, ends)?;
+    let scale = Scale::of(&servo.table.role(Role::GoalPosition)?);
+    let degrees = |counts: i32| scale.quantity(counts).value;
     Ok(Identified {
         moved_deg: degrees(moved),
         asked_deg: degrees(ends[1] - ends[0]),
         has_light: servo.table.register("LED").is_ok(),
     })
-}
-
-/// Returns what it measures, unless it reports trouble.
-pub(crate) fn ensure_no_fault<E: Exchange>(
-    client: &mut Client<E>,
-    servo: &Servo,
-) -> Result<watch::State, ServiceError> {
-    let state = watch::look(client, servo)?;
-    if !state.errors.is_empty() {
-        let help = match servo.table {
-            Table::Dynamixel(_) => "`sinew servo reboot` clears it, once its cause is gone",
-            Table::Feetech(_) => {
-                "It clears itself when its cause is gone; an overload with the next goal"
-            }
-        };
-        return Err(ServiceError::Fault { id: servo.id, what: state.errors.join(", "), help });
-    }
-    Ok(state)
 }
 
 /// Refuses to move a servo by an angle where it is in no such mode, or is on its way.
@@ -156,7 +140,7 @@ fn ends<E: Exchange>(
     Ok(ends)
 }
 
-/// What makes it slow; and weak, unless it holds something.
+/// What makes it slow, and no stronger than it must be for what it holds.
 fn gentle<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -181,17 +165,20 @@ fn gentle<E: Exchange>(
                 gentle.push(raw(speed, SPEED_DEG_S)?);
                 gentle.push(raw(acceleration, ACCELERATION_DEG_S2)?);
             }
-            let limits = [("Goal PWM", "PWM Limit"), ("Goal Current", "Current Limit")];
-            for (goal, limit) in limits.into_iter().filter(|_| !was_on) {
+            for [goal, limit, present] in [
+                ["Goal PWM", "PWM Limit", "Present PWM"],
+                ["Goal Current", "Current Limit", "Present Current"],
+            ] {
                 if let (Ok(goal), Ok(limit)) = (table.register(goal), table.register(limit)) {
+                    let holds = holds(client, servo, present, was_on)?;
                     let most = client.read(servo, &limit)?;
-                    gentle.push((goal, most.min(share(&limit))));
+                    gentle.push((goal, most.min(holds + share(&limit))));
                 }
             }
         }
         Table::Feetech(_) => {
             if let Ok(time) = table.register("Running Time") {
-                gentle.push((time, 500));
+                gentle.push((time, RUNNING_TIME_MS));
             } else {
                 gentle.push(raw("Acceleration", ACCELERATION_DEG_S2)?);
                 let is_fine = client.read(servo, &table.register("Phase")?)? & 4 != 0;
@@ -199,15 +186,28 @@ fn gentle<E: Exchange>(
                 // With this bit a count of speed is a fiftieth.
                 gentle.push((item, if is_fine { speed * 50 } else { speed }));
             }
-            if let Ok(limit) = table.register("Torque Limit")
-                && !was_on
-            {
+            // The first that is changed, and the last that is put back: see `left`.
+            if let Ok(limit) = table.register("Torque Limit") {
+                let holds = holds(client, servo, "Present Load", was_on)?;
                 let most = client.read(servo, &limit)?;
-                gentle.push((limit, most.min(share(&limit))));
+                gentle.insert(0, (limit, most.min(holds + share(&limit))));
             }
         }
     }
     Ok(gentle)
+}
+
+/// What a servo that holds something takes for it.
+fn holds<E: Exchange>(
+    client: &mut Client<E>,
+    servo: &Servo,
+    present: &str,
+    was_on: bool,
+) -> Result<i32, ServiceError> {
+    if !was_on {
+        return Ok(0);
+    }
+    Ok(client.read(servo, &servo.table.register(present)?)?.abs())
 }
 
 /// A share of the most that a limit can be.
@@ -221,71 +221,62 @@ fn share(limit: &Item) -> i32 {
     share
 }
 
-/// Writes all of them, also where one fails; gives the first failure.
-pub(crate) fn set_all<E: Exchange>(
-    client: &mut Client<E>,
-    servo: &Servo,
-    values: &[(Item, i32)],
-) -> Result<(), ServiceError> {
-    let mut result = Ok(());
-    for (item, raw) in values {
-        // One that fails does not keep the others from what they were.
-        let stored = store(client, servo, item, *raw);
-        result = result.and(stored);
-    }
-    result
-}
-
 /// Goes to both ends and back, and says how far apart it was, in counts.
 fn wiggle<E: Exchange>(
-    client: &mut Client<E>,
-    servo: &Servo,
-    held: i32,
+    guard: &mut Guard<'_, E>,
     [least, most]: [i32; 2],
-    was_on: bool,
 ) -> Result<i32, ServiceError> {
-    let [goal, present] =
-        [Role::GoalPosition, Role::PresentPosition].map(|role| servo.table.role(role));
-    let (goal, present) = (goal?, present?);
+    let (held, servo) = (guard.held(), guard.servo());
+    let scale = Scale::of(&servo.table.role(Role::GoalPosition)?);
+    let present = servo.table.role(Role::PresentPosition)?;
+    let refused = |what: String| Err(ServiceError::State { id: servo.id, what });
     // Its goal is where it stands before torque comes; a Feetech's comes with the goal.
-    store(client, servo, &goal, held)?;
-    if !was_on {
-        set_torque(client, servo, true)?;
+    guard.go_to(held)?;
+    if !guard.was_on() {
+        guard.hold()?;
     }
-    let start = client.read(servo, &present)?;
-    let jump = Scale::of(&goal).quantity(start - held);
+    let start = guard.client().read(servo, &present)?;
+    let jump = scale.quantity(start - held);
     if jump.value.abs() > REBASED_DEG {
-        let what = format!(
+        return refused(format!(
             "its position changed by {jump} when its torque came on: it counts turns anew. Try again"
-        );
-        return Err(ServiceError::State { id: servo.id, what });
+        ));
     }
-    let mut seen = [start; 2];
-    for target in [most, least, most, held] {
-        store(client, servo, &goal, target)?;
-        let mut time = Duration::ZERO;
-        while time < WAY {
-            client.pause(LOOK);
-            time += LOOK;
-            let now = client.read(servo, &present)?;
+    let (mut seen, mut now, mut before) = ([start; 2], start, held);
+    for (index, target) in [most, least, most, held].into_iter().enumerate() {
+        let begin = now;
+        guard.go_to(target)?;
+        let end = guard.client().now() + WAY;
+        while guard.client().now() < end {
+            guard.client().pause(LOOK);
+            now = guard.look()?;
             seen = [seen[0].min(now), seen[1].max(now)];
         }
+        let [moved, asked] = [now - begin, target - before];
+        // Friction may hold it short of the first end, and of where it comes to last.
+        let is_whole_way = matches!(index, 1 | 2);
+        if is_whole_way && f64::from(moved) / f64::from(asked) < MOVED[0] {
+            let [moved, asked] = [moved, asked].map(|counts| scale.quantity(counts));
+            return refused(format!(
+                "it hardly moves: by {moved} where {asked} was asked. It is blocked, or too weak for what hangs on it"
+            ));
+        }
+        before = target;
     }
-    Ok(seen[1] - seen[0])
+    let [moved, asked] = [seen[1] - seen[0], most - least];
+    if f64::from(moved) > MOVED[1] * f64::from(asked) {
+        let [moved, asked] = [moved, asked].map(|counts| scale.quantity(counts));
+        return refused(format!(
+            "it moved by {moved} where {asked} was asked: its encoder jumps, or something else moves it"
+        ));
+    }
+    Ok(moved)
 }
 
-/// In words: how far it moved, or that it hardly did.
+/// In words: how far it moved.
 impl std::fmt::Display for Identified {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let light = if self.has_light { ", with its light on" } else { "" };
-        if self.moved_deg < 0.25 * self.asked_deg {
-            write!(
-                f,
-                "it hardly moved ({:.1} deg){light}: blocked, or too weak for what hangs on it",
-                self.moved_deg
-            )
-        } else {
-            write!(f, "it moved by {:.1} deg to and fro{light}", self.moved_deg)
-        }
+        write!(f, "it moved by {:.1} deg to and fro{light}", self.moved_deg)
     }
 }

@@ -36,6 +36,8 @@
 //! - `scan`, `address`, `identify`, `watch`: search; ids and baud rates; a servo that shows itself; measurements.
 //! - `rig_servo`, `position_gain`, `desired`, `compare`: servos of a rig file; their P gains; the registers that it
 //!   requires; the difference.
+//! - `guard`, `follow`, `left`: what holds a servo together that a tool changes; whether it can be where it says; a
+//!   servo that a killed program left.
 //! - `calibrate`, `rig_file`: ranges found by hand; the rig file with these ranges.
 //! - `error`: errors of all tools.
 
@@ -59,7 +61,10 @@ pub mod compare;
 pub mod desired;
 mod error;
 mod exchange;
+mod follow;
+mod guard;
 pub mod identify;
+pub mod left;
 mod ping_reply;
 mod port;
 pub mod position_gain;

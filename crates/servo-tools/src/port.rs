@@ -84,6 +84,8 @@ impl Exchange for SerialLine {
                     }
                 }
                 Err(error) if error.kind() == io::ErrorKind::TimedOut => return Ok(()),
+                // A signal came; what is asked is answered all the same.
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
                 Err(error) => return Err(error),
             }
         }

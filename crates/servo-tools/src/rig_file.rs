@@ -1,8 +1,5 @@
 //! What was calibrated, into the rig file: the rest of the text stays as a person wrote it.
 
-use std::io::{self, Write as _};
-use std::path::Path;
-
 use toml_edit::{Array, DocumentMut, Item, TableLike, Value};
 
 use crate::ServiceError;
@@ -135,22 +132,6 @@ fn hundredths(degrees: f64) -> f64 {
     (degrees * 100.0).round() / 100.0 + 0.0
 }
 
-/// Writes a file as a whole, or not at all: a new one beside it takes its place.
-///
-/// # Errors
-/// What the system says.
-pub fn replace(path: &Path, text: &str) -> io::Result<()> {
-    // A link stays a link.
-    let path = path.canonicalize()?;
-    let folder = path.parent().unwrap_or_else(|| Path::new("."));
-    let mut file = tempfile::Builder::new().prefix(".rig-").tempfile_in(folder)?;
-    file.write_all(text.as_bytes())?;
-    file.as_file().set_permissions(std::fs::metadata(&path)?.permissions())?;
-    file.as_file().sync_all()?;
-    file.persist(&path)?;
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use sinew_rig::description::ServoModel;
@@ -234,21 +215,5 @@ direction = -1
         let reversed = ServoChange { range_deg: Some([10.0, -10.0]), ..change() };
         assert!(edited(RIG, &[reversed]).unwrap_err().to_string().contains("range_deg"));
         assert!(edited("name =", &[]).is_err());
-    }
-
-    #[test]
-    fn a_file_is_replaced_as_a_whole_with_its_permissions() {
-        use std::os::unix::fs::PermissionsExt as _;
-        let folder = tempfile::tempdir().unwrap();
-        let (file, link) = (folder.path().join("rig.toml"), folder.path().join("link.toml"));
-        std::fs::write(&file, "old").unwrap();
-        std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o640)).unwrap();
-        std::os::unix::fs::symlink(&file, &link).unwrap();
-        replace(&link, "new").unwrap();
-        assert_eq!(std::fs::read_to_string(&file).unwrap(), "new");
-        assert!(link.is_symlink());
-        assert_eq!(std::fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o640);
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
-        assert!(replace(&folder.path().join("none.toml"), "new").is_err());
     }
 }

@@ -7,6 +7,7 @@ use sinew_servo_bus::feetech::Family;
 use sinew_servo_bus::{dynamixel, feetech};
 
 use crate::client::packet;
+use crate::left::{self, Left};
 use crate::ping_reply::{Miss, Pong};
 use crate::{Client, Exchange, Protocol, ServiceError, Servo};
 
@@ -55,6 +56,8 @@ pub enum ScanEvent<'a> {
     NoRate(u32, &'a ServiceError),
     /// A servo was found.
     Found(&'a Found),
+    /// A servo that was found is as a program left it that was ended.
+    Left(u8, &'a Left),
     /// An id answers with what is no packet: two servos of one id.
     Collision(Protocol, u32, u8),
     /// Something was heard that is no packet, and no id answers.
@@ -92,7 +95,14 @@ pub fn scan<E: Exchange>(
                 }
                 Err(error) => return Err(error),
             }
-            found.extend(scan_rate(client, settings, tell)?);
+            let here = scan_rate(client, settings, tell)?;
+            for servo in here.iter().filter(|servo| servo.model.is_some()) {
+                let left = client.open(servo.id, None).and_then(|servo| left::look(client, &servo));
+                if let Ok(Some(left)) = left {
+                    tell(ScanEvent::Left(servo.id, &left));
+                }
+            }
+            found.extend(here);
         }
     }
     Ok(found)

@@ -54,6 +54,17 @@ pub(crate) fn store<E: Exchange>(
     item: &Item,
     raw: i32,
 ) -> Result<(), ServiceError> {
+    client.ensure_going()?;
+    client.whole(|client| store_whole(client, servo, item, raw))
+}
+
+/// Writes and looks, and does not end half-way.
+fn store_whole<E: Exchange>(
+    client: &mut Client<E>,
+    servo: &Servo,
+    item: &Item,
+    raw: i32,
+) -> Result<(), ServiceError> {
     let mut reads = raw;
     for _ in 0..WRITES {
         let lock = lock_of(servo).filter(|_| item.area == Area::Eeprom);

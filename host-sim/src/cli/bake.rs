@@ -15,6 +15,7 @@ use sinew_show::write::Settings as ShowSettings;
 use sinew_show::{Show, TimeCode, TimeCodeKind};
 
 use super::clips::seconds;
+use super::output::OutputPath;
 use super::performance::{ON_STAND, PerformanceArgs};
 use super::unit_args::UnitArgs;
 
@@ -72,11 +73,11 @@ pub(super) struct Args {
     /// Also write a page with the rig in motion, and with plots of each joint beside its limits: one file, for any
     /// browser, without a network.
     #[arg(long, value_name = "FILE.html")]
-    html: Option<PathBuf>,
+    html: Option<OutputPath>,
 
     /// File to write.
     #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
+    output: OutputPath,
 }
 
 /// Runs the subcommand.
@@ -87,14 +88,6 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
              writes one to begin with"
         );
     };
-    let written: Vec<&Path> =
-        [&args.output].into_iter().chain(&args.html).map(PathBuf::as_path).collect();
-    let read = [
-        ("rig", Some(rig)),
-        ("clip", Some(Path::new(&args.clip))),
-        ("mapping", args.mapping.as_deref()),
-    ];
-    output::distinct(&written, &read)?;
     let mut on_rig = args.on_rig.clone();
     on_rig.blend_s = args.is_loop.then_some(args.loop_blend_s);
     let rig = on_rig.rig(rig, ON_STAND)?;

@@ -1,7 +1,7 @@
 //! `sinew clip blend`: from one clip to another.
 
 use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context as _, bail};
 use clap::ValueEnum;
@@ -20,6 +20,7 @@ use sinew_report::blend as picture;
 
 use super::clips::seconds;
 use super::find::{self, ensure_room, frames};
+use super::output::OutputPath;
 use super::unit_args::UnitArgs;
 
 /// Blend one clip into another where their poses are nearest, and write the motion as BVH.
@@ -54,7 +55,7 @@ pub(super) struct Args {
 
     /// The BVH file to write.
     #[arg(long, value_name = "FILE.bvh")]
-    output: PathBuf,
+    output: OutputPath,
 
     /// Length of the blend, rounded to an even number of A's frames. 0.5 is about a step of a walk; shorter is more
     /// abrupt, longer mixes different steps.
@@ -81,7 +82,7 @@ pub(super) struct Args {
 
     /// Also draw into this file: figures through the blend, where the clips are near each other, and speeds.
     #[arg(long, value_name = "FILE.svg|FILE.png")]
-    picture: Option<PathBuf>,
+    picture: Option<OutputPath>,
 
     #[command(flatten)]
     threads: ThreadArgs,
@@ -108,18 +109,6 @@ impl Args {
         if !self.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("bvh")) {
             bail!("--output {}: expected a file named *.bvh", self.output.display());
         }
-        let folder = self.output.parent().filter(|folder| !folder.as_os_str().is_empty());
-        if folder.is_some_and(|folder| !folder.is_dir()) {
-            bail!("--output {}: expected a folder that is there", self.output.display());
-        }
-        let written: Vec<&Path> =
-            [&self.output].into_iter().chain(&self.picture).map(PathBuf::as_path).collect();
-        let read = [
-            ("clip A", Some(self.a.file.as_path())),
-            ("clip B", Some(self.b.file.as_path())),
-            ("mapping", self.mapping.as_deref()),
-        ];
-        output::distinct(&written, &read)?;
         let mapping = self.mapping.as_deref().map(Mapping::named).transpose()?;
         let settings = Settings { mapping, units: self.units.overrides(), ..Settings::default() };
         let read = |reference: &Reference| -> anyhow::Result<(LoadedClip, (usize, usize))> {

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::{Context as _, ensure};
@@ -19,6 +19,7 @@ use sinew_rig::review::{Finding, Loop, Severity};
 
 use super::clips::{ClipArgs, RIG_RATE_HZ, seconds, tell};
 use super::methods::{MethodArg, check_fixed, methods};
+use super::output::OutputPlace;
 use super::page::PageArgs;
 use super::performance::PerformanceArgs;
 use super::setup::SetupArgs;
@@ -55,7 +56,7 @@ pub(super) struct Args {
     /// Also write into this folder: the report (index.html, for a browser), its pictures, table.txt,
     /// result.json, result.csv and clips.csv (a row per clip).
     #[arg(long, value_name = "DIR")]
-    output: Option<PathBuf>,
+    output: Option<OutputPlace>,
 
     #[command(flatten)]
     page: PageArgs,

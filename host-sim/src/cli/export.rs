@@ -10,6 +10,7 @@ use sinew_retarget::exchange::{blender, clip, servos, table};
 use sinew_retarget::feasibility::Curve;
 
 use super::clips::rate;
+use super::output::OutputPath;
 use super::performance::{FOR_OTHERS, PerformanceArgs};
 use super::unit_args::UnitArgs;
 
@@ -45,7 +46,7 @@ pub(super) struct Args {
 
     /// File to write: `.csv`, `.bvh` or `.json`.
     #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
+    output: OutputPath,
 }
 
 /// Runs the subcommand.
@@ -54,12 +55,6 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     if !["csv", "bvh", "json"].contains(&kind) {
         bail!("{}: expected a name that ends in .csv, .bvh or .json", args.output.display());
     }
-    let read = [
-        ("rig", Some(&*args.rig)),
-        ("clip", Some(&*args.clip)),
-        ("mapping", args.mapping.as_deref()),
-    ];
-    output::distinct(&[&args.output], &read)?;
     let rig = args.on_rig.rig(&args.rig, FOR_OTHERS)?;
     let mapping = args.mapping.as_deref();
     let performance =

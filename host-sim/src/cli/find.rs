@@ -15,6 +15,7 @@ use sinew_pose_metrics::spatial::{
 };
 use sinew_report::moments as picture;
 
+use super::output::OutputPath;
 use super::unit_args::UnitArgs;
 
 /// Find the moments in clips that are most similar to a pose, or to a piece of a clip.
@@ -87,7 +88,7 @@ pub(super) struct Args {
 
     /// Also draw the query and what was found into this file.
     #[arg(long, value_name = "FILE.svg|FILE.png")]
-    picture: Option<PathBuf>,
+    picture: Option<OutputPath>,
 
     /// Also compute every distance, fail if the result differs, and print the times of both.
     #[arg(long)]

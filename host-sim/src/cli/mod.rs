@@ -16,6 +16,7 @@ mod inspect;
 mod latency;
 mod map;
 mod methods;
+mod output;
 mod page;
 mod performance;
 mod play;
@@ -107,9 +108,11 @@ fn command_line() -> clap::Command {
 
 /// Parses the command line and runs it.
 pub(crate) fn main() -> ExitCode {
-    let parsed = command_line().try_get_matches();
-    let cli = match parsed.and_then(|matches| Cli::from_arg_matches(&matches)) {
-        Ok(cli) => cli,
+    let mut line = command_line();
+    let parsed = line.try_get_matches_from_mut(std::env::args_os());
+    let parsed = parsed.and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
+    let (cli, matches) = match parsed {
+        Ok(parsed) => parsed,
         Err(error) => return refuse(&error),
     };
     let command = match cli.command {
@@ -119,7 +122,7 @@ pub(crate) fn main() -> ExitCode {
     exit_code(if cli.parse_only {
         command.check().map(|()| ExitCode::SUCCESS)
     } else {
-        command.run()
+        output::check(&line, &matches).and_then(|()| command.run())
     })
 }
 

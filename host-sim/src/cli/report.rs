@@ -11,6 +11,7 @@ use sinew_report::recording::{Page, cut, duration_s};
 use sinew_rig::Description;
 use sinew_rig::toml_file;
 
+use super::output::OutputPath;
 use super::rig::read;
 
 /// Make a page of a recording of `sinew play --record`: the rig in motion, and plots of each joint.
@@ -31,12 +32,14 @@ pub(super) struct Args {
 
     /// File to write. Default: beside the recording, with its name and `.html`.
     #[arg(short, long, value_name = "FILE.html")]
-    output: Option<PathBuf>,
+    output: Option<OutputPath>,
 }
 
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
-    let out = args.output.clone().unwrap_or_else(|| args.recording.with_extension("html"));
+    let out = args.output.as_ref().map(|path| path.to_path_buf());
+    let out = out.unwrap_or_else(|| args.recording.with_extension("html"));
+    // Its own name for the page may be the rig's.
     let files = [("recording", Some(args.recording.as_path())), ("rig", args.rig.as_deref())];
     output::distinct(&[&out], &files)?;
     let named = || args.recording.display().to_string();

@@ -17,6 +17,7 @@ use sinew_servo_sim::port::{Port, serve};
 use sinew_servo_sim::rig;
 use sinew_servo_sim::supply::Supply;
 
+use super::output::OutputPlace;
 use super::rig::read;
 
 /// Simulate servos on a serial port of this machine, for any program that talks to servos.
@@ -52,7 +53,7 @@ pub(super) struct ServosArgs {
 
     /// Path of the link that programs open as a serial port. A link that is there is replaced.
     #[arg(long, value_name = "LINK")]
-    pty: PathBuf,
+    pty: OutputPlace,
 
     /// Rate that all servos are set to, in bit/s. A Dynamixel leaves the factory with 57600.
     #[arg(long, value_name = "RATE", default_value_t = 1_000_000)]
@@ -170,7 +171,7 @@ impl ServosArgs {
     fn ports(&self, buses: &[&str]) -> anyhow::Result<Vec<Port>> {
         let mut ports = Vec::new();
         for bus in buses {
-            let mut link = self.pty.clone().into_os_string();
+            let mut link = self.pty.as_os_str().to_owned();
             if buses.len() > 1 {
                 link.push(format!(".{bus}"));
                 note(format_args!("bus {bus:?}: {}", Path::new(&link).display()));

@@ -1,4 +1,4 @@
-//! Ctrl-C: how often it came.
+//! Signals that ask this program to end: Ctrl-C, SIGTERM, SIGHUP.
 
 use std::cell::Cell;
 use std::sync::Arc;
@@ -11,14 +11,9 @@ pub(super) struct Stop {
 }
 
 impl Stop {
-    /// From now on, Ctrl-C and SIGTERM are counted and end nothing by themselves.
+    /// From now on, signals are counted and end nothing by themselves.
     pub(super) fn new() -> anyhow::Result<Self> {
-        let came = Arc::new(AtomicBool::new(false));
-        #[cfg(unix)]
-        for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
-            signal_hook::flag::register(signal, Arc::clone(&came))?;
-        }
-        Ok(Self { came, times: Cell::new(0) })
+        Ok(Self { came: flag()?, times: Cell::new(0) })
     }
 
     /// How often it came.
@@ -27,4 +22,30 @@ impl Stop {
         self.times.set(self.times.get() + more);
         self.times.get()
     }
+}
+
+/// Returns a flag that signals set; they end nothing by themselves from now on. A program that was started to go on
+/// without its terminal (`nohup`) still does.
+pub(super) fn flag() -> anyhow::Result<Arc<AtomicBool>> {
+    let came = Arc::new(AtomicBool::new(false));
+    #[cfg(unix)]
+    {
+        use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+        for signal in [SIGINT, SIGTERM, SIGHUP] {
+            if signal != SIGHUP || !ignores_hang_up() {
+                signal_hook::flag::register(signal, Arc::clone(&came))?;
+            }
+        }
+    }
+    Ok(came)
+}
+
+/// Whether whoever started this program lets it ignore SIGHUP: where Linux says so.
+#[cfg(unix)]
+fn ignores_hang_up() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    // Signal 1 is the lowest bit.
+    ignored.is_some_and(|mask| mask & 1 != 0)
 }

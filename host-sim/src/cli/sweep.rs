@@ -10,6 +10,7 @@ use sinew_host_util::command::{ThreadArgs, note, print, with_progress};
 use sinew_performance::rig::LoadedRig;
 
 use super::clips::{ClipArgs, seconds, tell};
+use super::output::OutputPlace;
 use super::performance::PerformanceArgs;
 
 /// Run every combination of many settings and write a row for each.
@@ -43,7 +44,7 @@ pub(super) struct Args {
 
     /// Folder of the journal and the tables.
     #[arg(long, value_name = "DIR")]
-    output: PathBuf,
+    output: OutputPlace,
 
     #[command(flatten)]
     clips: ClipArgs,

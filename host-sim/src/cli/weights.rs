@@ -10,6 +10,7 @@ use sinew_pose_metrics::weights::radii::{self, Radii};
 use sinew_pose_metrics::weights::{Method, Settings, Weighing, table, weigh};
 use sinew_report::weights as picture;
 
+use super::output::OutputPath;
 use super::unit_args::UnitArgs;
 
 /// Compute the importance of a character's joints: how much of the character each joint moves, and how far.
@@ -70,7 +71,7 @@ pub(super) struct Args {
     /// Also draw the weights into this file: on the figure at rest (the area of a disc is the joint's weight), and
     /// as bars.
     #[arg(long, value_name = "FILE.svg|FILE.png")]
-    picture: Option<PathBuf>,
+    picture: Option<OutputPath>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -87,7 +87,7 @@ fn a_command_keeps_what_it_reads() {
         let said = refused(folder, &["bake", "m21.bvh", "--rig", "arm.toml", "--output", out]);
         assert!(said.contains("is the clip, which would be lost"), "{said}");
         let said = refused(folder, &["clip", "blend", "m21.bvh", "m21.bvh", "--output", out]);
-        assert!(said.contains("is the clip A, which would be lost"), "{said}");
+        assert!(said.contains("is the A, which would be lost"), "{said}");
     }
     let sweep = ["--clips", "m21.bvh", "--output", "."];
     fs::write(folder.join("result.csv"), "a sweep").expect("a file");

@@ -5,3 +5,4 @@ mod attack;
 mod common;
 mod foreign;
 mod mocap_data;
+mod outputs;

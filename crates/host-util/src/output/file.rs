@@ -5,6 +5,10 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+/// Ending of what is of no use unfinished, and of what is.
+const DROPPED: &str = "new.part";
+const KEPT: &str = "part";
+
 /// A file that is being written. It is there from [`Pending::finish`] on; dropped before, it leaves the old one.
 #[derive(Debug)]
 pub struct Pending {
@@ -28,12 +32,26 @@ impl Pending {
     /// # Errors
     /// What the system says; [`io::ErrorKind::PermissionDenied`] if there is one that must not be written.
     pub fn begin(path: &Path) -> io::Result<Self> {
+        Self::with_ending(path, DROPPED)
+    }
+
+    /// The same; dropped unfinished, or if the program is ended, it leaves what was written as `.NAME.PID-0.part`, and
+    /// the old file.
+    ///
+    /// # Errors
+    /// Those of [`Self::begin`].
+    pub fn begin_kept(path: &Path) -> io::Result<Self> {
+        Self::with_ending(path, KEPT)
+    }
+
+    fn with_ending(path: &Path, ending: &str) -> io::Result<Self> {
+        let is_kept = ending == KEPT;
         let old = fs::metadata(path).ok();
         // What programs are given of each other: `/dev/stdout` may be a file today, and must stay the one it is.
         let is_device = old.as_ref().is_some_and(|old| !old.is_file() && !old.is_dir());
         if is_device || path.starts_with("/dev") {
             let file = OpenOptions::new().write(true).open(path)?;
-            return Ok(Self { file, part: None, target: path.to_owned(), is_kept: false });
+            return Ok(Self { file, part: None, target: path.to_owned(), is_kept });
         }
         let is_link = fs::symlink_metadata(path).is_ok_and(|it| it.file_type().is_symlink());
         if is_link && old.is_none() {
@@ -50,19 +68,16 @@ impl Pending {
                 return Err(io::ErrorKind::PermissionDenied.into());
             }
         }
-        let (file, part) = beside(&target)?;
-        let pending = Self { file, part: Some(part), target, is_kept: false };
+        for left in parts(&target).filter(|part| is_of(part, DROPPED) && is_left(part)) {
+            // Nobody writes it any more, and nobody wants it.
+            let _ = fs::remove_file(left);
+        }
+        let (file, part) = beside(&target, ending)?;
+        let pending = Self { file, part: Some(part), target, is_kept };
         if let Some(old) = old {
             pending.file.set_permissions(old.permissions())?;
         }
         Ok(pending)
-    }
-
-    /// The same; dropped unfinished, it leaves what was written as `.NAME.PID-0.part`, and the old file.
-    #[must_use]
-    pub fn kept(mut self) -> Self {
-        self.is_kept = true;
-        self
     }
 
     /// Waits until all of it is on the disk, and puts it in its place.
@@ -99,16 +114,55 @@ impl Drop for Pending {
     }
 }
 
-/// A new file beside another, hidden, that no other run has.
-fn beside(target: &Path) -> io::Result<(File, PathBuf)> {
+/// Files of [`Pending`] that are there for a target, of this program and of others.
+fn parts(target: &Path) -> impl Iterator<Item = PathBuf> {
+    let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let entries = fs::read_dir(folder.unwrap_or(Path::new("."))).into_iter().flatten();
+    let begins = target.file_name().map(|name| format!(".{}.", name.to_string_lossy()));
+    entries.filter_map(Result::ok).map(|entry| entry.path()).filter(move |path| {
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
+        let rest = name.as_deref().zip(begins.as_deref());
+        let rest = rest.and_then(|(name, begins)| name.strip_prefix(begins));
+        let numbers = rest.and_then(|rest| {
+            let rest = rest.strip_suffix(KEPT)?.strip_suffix('.')?;
+            rest.strip_suffix(".new").unwrap_or(rest).split_once('-')
+        });
+        // A process, and a number of its own.
+        numbers.is_some_and(|(process, number)| {
+            process.parse::<u32>().is_ok() && number.parse::<u32>().is_ok()
+        })
+    })
+}
+
+fn is_of(part: &Path, ending: &str) -> bool {
+    part.to_string_lossy().ends_with(ending)
+}
+
+/// Whether nobody writes a part any more: the lock on it ends with its program.
+fn is_left(part: &Path) -> bool {
+    File::open(part).is_ok_and(|file| file.try_lock().is_ok())
+}
+
+/// What programs that were ended have left of a file, for whoever wants it.
+pub(super) fn left_beside(path: &Path) -> Vec<PathBuf> {
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    parts(&target).filter(|part| is_left(part)).collect()
+}
+
+/// A new file beside another, hidden, that no other run has; locked as long as it is written.
+fn beside(target: &Path, ending: &str) -> io::Result<(File, PathBuf)> {
     let name = target.file_name().ok_or(io::ErrorKind::InvalidInput)?;
     for number in 0..1000 {
         let mut part = OsString::from(".");
         part.push(name);
-        part.push(format!(".{}-{number}.part", std::process::id()));
+        part.push(format!(".{}-{number}.{ending}", std::process::id()));
         let part = target.with_file_name(part);
         match OpenOptions::new().write(true).create_new(true).open(&part) {
-            Ok(file) => return Ok((file, part)),
+            Ok(file) => {
+                // Where there are no locks, what is left is told, and stays.
+                let _ = file.try_lock();
+                return Ok((file, part));
+            }
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
             Err(error) => return Err(error),
         }

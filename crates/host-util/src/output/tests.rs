@@ -108,3 +108,52 @@ fn a_link_to_what_is_not_there_is_not_replaced() {
     assert!(refused.contains("a link to what is not there"), "{refused}");
     assert!(fs::symlink_metadata(&link).unwrap().file_type().is_symlink());
 }
+
+#[test]
+fn what_dead_programs_left_is_removed_or_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    for name in [
+        ".a.77-0.new.part",
+        ".a.77-1.part",
+        ".a.b.77-0.new.part",
+        ".a.notes.part",
+        ".ab.7-0.new.part",
+    ] {
+        fs::write(at(name), "half").unwrap();
+    }
+    // One that lives holds its lock.
+    let alive = fs::File::create(at(".a.78-0.new.part")).unwrap();
+    alive.try_lock().unwrap();
+    write(&at("a"), "whole").unwrap();
+    let left = [
+        ".a.77-1.part",
+        ".a.78-0.new.part",
+        ".a.b.77-0.new.part",
+        ".a.notes.part",
+        ".ab.7-0.new.part",
+        "a",
+    ];
+    assert_eq!(listed(folder.path()), left);
+    assert_eq!(file::left_beside(&at("a")), [at(".a.77-1.part")]);
+
+    let mut kept = Pending::begin_kept(&at("a")).unwrap();
+    kept.write_all(b"half").unwrap();
+    let name = format!(".a.{}-0.part", std::process::id());
+    assert!(at(&name).exists() && file::left_beside(&at("a")).len() == 1);
+    drop(kept);
+    assert_eq!(fs::read(at(&name)).unwrap(), b"half");
+    assert_eq!(file::left_beside(&at("a")).len(), 2);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_file_keeps_its_permissions() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a");
+    fs::write(&file, "old").unwrap();
+    fs::set_permissions(&file, fs::Permissions::from_mode(0o640)).unwrap();
+    write(&file, "new").unwrap();
+    assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o640);
+}

@@ -10,6 +10,7 @@
 
 mod board;
 mod bus;
+mod checksum;
 mod director;
 mod error;
 mod exchange;

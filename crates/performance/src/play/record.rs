@@ -16,11 +16,14 @@ use parquet::schema::types::Type;
 use sinew_host_util::output::Pending;
 use sinew_servo_sim::load::Plant;
 
+use super::checksum::{self, Summed};
 use super::rig_parts::RigParts;
 use super::simulated_rig::SimulatedRig;
 
 /// What a recording names itself.
-pub const SCHEMA: &str = "sinew-recording/1";
+pub const SCHEMA: &str = "sinew-recording/2";
+/// The same, of recordings without a checksum.
+pub(super) const SCHEMA_UNSUMMED: &str = "sinew-recording/1";
 /// Of the format's first version, as its writer makes it.
 const VERSION: i32 = 1;
 const CREATED_BY: &str = concat!("sinew ", env!("CARGO_PKG_VERSION"));
@@ -46,9 +49,10 @@ pub(super) const OF_SERVO: [&str; 3] = ["current", "temperature", "voltage"];
 /// Joints are degrees of freedom; of a ball joint positions are the rotation vector's.
 ///
 /// The end of a Parquet file says what is where, so a file without it is lost. That end stands here between the parts,
-/// too, where readers look over it: what was cut off is whole up to the last one.
+/// too, where readers look over it: what was cut off is whole up to the last one. Each end has the checksum of all that
+/// is before it and of itself: see [`super::checksum`].
 pub struct Recorder {
-    writer: SerializedFileWriter<BufWriter<Pending>>,
+    writer: SerializedFileWriter<Summed<BufWriter<Pending>>>,
     kept: Vec<KeyValue>,
     /// Bytes up to the last end, and how many that has.
     ended: usize,
@@ -79,7 +83,7 @@ impl Recorder {
         rig: &str,
         notes: &[(&str, &str)],
     ) -> Result<Self, ParquetError> {
-        let file = BufWriter::new(Pending::begin(path)?.kept());
+        let file = Summed::new(BufWriter::new(Pending::begin_kept(path)?));
         let field = |name: &str, kind: PhysicalType| {
             let logical = (kind == PhysicalType::BYTE_ARRAY).then_some(LogicalType::String);
             Type::primitive_type_builder(name, kind)
@@ -112,10 +116,7 @@ impl Recorder {
         let mut kept = vec![note("schema", SCHEMA), note("rig", rig)];
         kept.push(note("rate_hz", &parts.rate_hz.to_string()));
         kept.extend(notes.iter().map(|(key, value)| note(key, value)));
-        let properties = WriterProperties::builder()
-            .set_created_by(CREATED_BY.to_owned())
-            .set_key_value_metadata(Some(kept.clone()))
-            .build();
+        let properties = WriterProperties::builder().set_created_by(CREATED_BY.to_owned()).build();
         Ok(Self {
             writer: SerializedFileWriter::new(file, schema, Arc::new(properties))?,
             kept,
@@ -173,7 +174,11 @@ impl Recorder {
     /// What the system says.
     pub fn end(mut self) -> Result<(), ParquetError> {
         self.write()?;
-        let file = self.writer.into_inner()?;
+        self.write_end(self.kept.clone())?;
+        // The end that the crate writes would have no checksum.
+        self.writer.flush()?;
+        self.writer.inner_mut().is_over = true;
+        let file = self.writer.into_inner()?.into_inner();
         file.into_inner().map_err(IntoInnerError::into_error)?.finish()?;
         Ok(())
     }
@@ -184,19 +189,28 @@ impl Recorder {
         if END_SHARE * self.end_len > self.writer.bytes_written() - self.ended {
             return Ok(());
         }
+        let unfinished = KeyValue::new(UNFINISHED.to_owned(), "true".to_owned());
+        let len = self.write_end(self.kept.iter().cloned().chain([unfinished]).collect())?;
+        self.writer.flush()?;
+        (self.ended, self.end_len) = (self.writer.bytes_written(), len);
+        Ok(())
+    }
+
+    /// Writes an end, with its checksum; returns its length.
+    fn write_end(&mut self, mut kept: Vec<KeyValue>) -> Result<usize, ParquetError> {
         let parts = self.writer.flushed_row_groups().to_vec();
         let rows = parts.iter().map(RowGroupMetaData::num_rows).sum();
         let schema = Arc::new(self.writer.schema_descr().clone());
-        let unfinished = KeyValue::new(UNFINISHED.to_owned(), "true".to_owned());
-        let kept = self.kept.iter().cloned().chain([unfinished]).collect();
+        // The last one, where it is looked for.
+        kept.push(KeyValue::new(checksum::KEY.to_owned(), checksum::NONE.to_owned()));
         let by = Some(CREATED_BY.to_owned());
         let file = FileMetaData::new(VERSION, rows, by, Some(kept), schema, None);
         let mut end = Vec::new();
         ParquetMetaDataWriter::new(&mut end, &ParquetMetaData::new(file, parts)).finish()?;
-        self.writer.write_all(&end)?;
         self.writer.flush()?;
-        (self.ended, self.end_len) = (self.writer.bytes_written(), end.len());
-        Ok(())
+        self.writer.inner().sign(&mut end);
+        self.writer.write_all(&end)?;
+        Ok(end.len())
     }
 
     fn write(&mut self) -> Result<(), ParquetError> {

@@ -13,7 +13,8 @@ use parquet::file::serialized_reader::SerializedPageReader;
 use sinew_mocap::Kind;
 use thiserror::Error;
 
-use super::record::{OF_JOINT, OF_SERVO, SCHEMA, SWINGS, UNFINISHED};
+use super::checksum;
+use super::record::{OF_JOINT, OF_SERVO, SCHEMA, SCHEMA_UNSUMMED, SWINGS, UNFINISHED};
 
 /// What a Parquet file begins and ends with.
 const MAGIC: &[u8; 4] = b"PAR1";
@@ -40,6 +41,9 @@ pub enum RecordingError {
     /// Nothing of it is whole.
     #[error("is cut off before the end of its first part: nothing of it is whole")]
     Nothing,
+    /// A bit is not what it was.
+    #[error("is damaged: its checksum is not that of what is in it. A copy of it may be whole")]
+    Sum,
     /// It lacks a column that it must have.
     #[error("has no column {0:?}, which each recording has")]
     Column(String),
@@ -119,11 +123,15 @@ impl Recording {
         if !start.starts_with(MAGIC) {
             return Err(RecordingError::NotParquet(Kind::of(path, &start)));
         }
-        let metadata = last_end(&mut file)?;
+        let (metadata, place) = last_end(&mut file)?;
+        let sums = file.try_clone()?;
         let mut recording =
             Self { file: Arc::new(file), metadata, joints: Vec::new(), servos: Vec::new() };
-        if recording.note("schema") != Some(SCHEMA) {
-            return Err(RecordingError::Other);
+        match recording.note("schema") {
+            Some(SCHEMA) if checksum::fits(&mut { sums }, place)? => {}
+            Some(SCHEMA) => return Err(RecordingError::Sum),
+            Some(SCHEMA_UNSUMMED) => {}
+            _ => return Err(RecordingError::Other),
         }
         let names: Vec<&str> = recording.columns().collect();
         let of = |ending: &str| -> Vec<String> {
@@ -257,8 +265,11 @@ impl Recording {
     }
 }
 
-/// What the last whole end of a file says. Ends stand between the parts, too: see [`super::Recorder`].
-fn last_end(file: &mut File) -> Result<ParquetMetaData, RecordingError> {
+/// An end: what it says, and from where to where it is.
+type End = (ParquetMetaData, [u64; 2]);
+
+/// The last whole end of a file. Ends stand between the parts, too: see [`super::Recorder`].
+fn last_end(file: &mut File) -> Result<End, RecordingError> {
     let len = file.seek(SeekFrom::End(0))?;
     if len < TAIL_LEN {
         return Err(RecordingError::Nothing);
@@ -271,9 +282,9 @@ fn last_end(file: &mut File) -> Result<ParquetMetaData, RecordingError> {
         let bytes = read(file, begin, (end + MAGIC.len() as u64 - 1).min(len))?;
         for at in (0..bytes.len().saturating_sub(MAGIC.len() - 1)).rev() {
             if bytes[at..].starts_with(MAGIC)
-                && let Some(metadata) = end_before(file, begin + at as u64)?
+                && let Some(found) = end_before(file, begin + at as u64)?
             {
-                return Ok(metadata);
+                return Ok(found);
             }
         }
         end = begin;
@@ -282,7 +293,7 @@ fn last_end(file: &mut File) -> Result<ParquetMetaData, RecordingError> {
 }
 
 /// What an end says whose magic stands here; none if it is no end.
-fn end_before(file: &mut File, magic: u64) -> Result<Option<ParquetMetaData>, RecordingError> {
+fn end_before(file: &mut File, magic: u64) -> Result<Option<End>, RecordingError> {
     let Some(of_len) = magic.checked_sub(4) else { return Ok(None) };
     let len: [u8; 4] = read(file, of_len, magic)?.try_into().unwrap_or_default();
     let Some(begin) = of_len.checked_sub(u32::from_le_bytes(len).into()) else { return Ok(None) };
@@ -291,7 +302,8 @@ fn end_before(file: &mut File, magic: u64) -> Result<Option<ParquetMetaData>, Re
     }
     let metadata = ParquetMetaDataReader::decode_metadata(&read(file, begin, of_len)?).ok();
     // Data may look like an end by chance; it has no parts.
-    Ok(metadata.filter(|metadata| metadata.num_row_groups() > 0))
+    let metadata = metadata.filter(|metadata| metadata.num_row_groups() > 0);
+    Ok(metadata.map(|metadata| (metadata, [begin, magic + MAGIC.len() as u64])))
 }
 
 fn read(file: &mut File, begin: u64, end: u64) -> std::io::Result<Vec<u8>> {

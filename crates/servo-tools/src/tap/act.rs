@@ -7,9 +7,9 @@ use sinew_servo_bus::table::{Item, Range};
 use super::clock::Clock;
 use super::fit::Tap;
 use super::plan::{Direction, Plan};
-use crate::identify::{ensure_it_stands_in_position_mode, ensure_no_fault, set_all};
+use crate::guard::Guard;
+use crate::identify::ensure_it_stands_in_position_mode;
 use crate::quantity::{Quantity, Scale};
-use crate::store::{set_torque, store, torque_is_on};
 use crate::table::Role;
 use crate::{Client, Exchange, ServiceError, Servo, Table};
 
@@ -24,6 +24,12 @@ const RAMP: Duration = Duration::from_millis(8);
 const MOST_CREEP: f64 = 0.4;
 /// It brakes no longer than this, at a torque as large as the tap's.
 const MOST_BRAKE: Duration = Duration::from_millis(400);
+/// No servo of these kinds turns faster.
+const MOST_DEG_S: f64 = 1500.0;
+/// A tap that moves a servo by fewer counts moved nothing.
+const LEAST_WAY: i32 = 10;
+/// A servo is looked at so often while it waits: its watchdog hears that.
+const LOOK: Duration = Duration::from_millis(50);
 /// It comes back and stands.
 const SETTLE: Duration = Duration::from_millis(200);
 /// It stands when it moves by no more than a count for so long; it is waited for no longer than [`MOST_SETTLE`].
@@ -56,75 +62,51 @@ pub(super) fn record<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
     plan: &Plan,
-    goes_on: &mut dyn FnMut(u32) -> bool,
 ) -> Result<Recorded, ServiceError> {
-    ensure_no_fault(client, servo)?;
-    let was_on = torque_is_on(client, servo)?;
+    let mut guard = Guard::begin_move(client, servo, MOST_DEG_S)?;
+    let recorded = taps(&mut guard, plan);
+    guard.end(recorded)
+}
+
+fn taps<E: Exchange>(guard: &mut Guard<'_, E>, plan: &Plan) -> Result<Recorded, ServiceError> {
+    let (was_on, held) = (guard.was_on(), guard.held());
+    let (client, servo) = guard.parts();
     ensure_it_stands_in_position_mode(client, servo, was_on)?;
     let registers = registers(client, servo, plan)?;
     ensure_strength(client, servo, &registers, plan)?;
-    let held = client.read(servo, if was_on { &registers.goal } else { &registers.present })?;
     ensure_room(client, servo, plan, held)?;
-    let settings = settings(client, servo, &registers, plan)?;
-    let mut before = Vec::new();
     // The limit of torque, the first that is lowered, is the last that is as before.
-    for (item, _) in settings.iter().rev() {
-        before.push((*item, client.read(servo, item)?));
+    for (item, raw) in settings(client, servo, &registers, plan)? {
+        guard.change(&item, raw)?;
     }
-    if let Some((gain, [shipped, _])) = registers.gain {
-        before.insert(0, (gain, shipped));
+    if let Some((gain, _)) = &registers.gain {
+        guard.note(gain)?;
     }
-    let recorded = set_all(client, servo, &settings).and_then(|()| {
-        store(client, servo, &registers.goal, held)?;
-        if !was_on {
-            set_torque(client, servo, true)?;
-        }
-        taps(client, servo, &registers, plan, held, goes_on)
-    });
-    let restored = restore(client, servo, &registers.goal, held, was_on, &before);
-    let recorded = recorded?;
-    restored?;
-    Ok(recorded)
-}
-
-/// Puts all back, whatever fails on the way. A servo that does not take its goal would go on to where the tap sent it,
-/// and with all of its torque: so it is limp then, even if it held something before.
-fn restore<E: Exchange>(
-    client: &mut Client<E>,
-    servo: &Servo,
-    goal: &Item,
-    held: i32,
-    was_on: bool,
-    before: &[(Item, i32)],
-) -> Result<(), ServiceError> {
-    let held = store(client, servo, goal, held);
-    let calm = if was_on && held.is_ok() { Ok(()) } else { set_torque(client, servo, false) };
-    let restored = set_all(client, servo, before);
-    held.and(calm).and(restored)
-}
-
-fn taps<E: Exchange>(
-    client: &mut Client<E>,
-    servo: &Servo,
-    registers: &Registers,
-    plan: &Plan,
-    held: i32,
-    goes_on: &mut dyn FnMut(u32) -> bool,
-) -> Result<Recorded, ServiceError> {
-    ensure_it_answers_writes(client, servo, registers, plan)?;
+    guard.go_to(held)?;
+    if !was_on {
+        guard.hold()?;
+    }
+    ensure_it_answers_writes(guard, &registers, plan)?;
     let (mut taps, mut farthest) = (Vec::new(), 0);
     for index in 0..plan.taps {
-        if !goes_on(index) {
-            let what = "the test was ended; nothing was found".to_owned();
-            return Err(ServiceError::State { id: servo.id, what });
-        }
         let is_up = match plan.direction {
             Direction::Up => true,
             Direction::Down => false,
             Direction::Both => index % 2 == 0,
         };
         let sign = if is_up { 1 } else { -1 };
-        let (tap, reached) = one(client, servo, registers, &plan.of_tap(index), held, sign)?;
+        let (tap, reached) = one(guard, &registers, &plan.of_tap(index), sign)?;
+        guard.look()?;
+        let way_rad = f64::from(reached) * servo.table.rad_per_count();
+        if reached < LEAST_WAY || way_rad > plan.reach_rad() {
+            let what = format!(
+                "a tap moved it by {:.1} deg, where up to {:.0} were expected: it is blocked, its gear slips or its \
+                 encoder jumps",
+                way_rad.to_degrees(),
+                plan.reach_rad().to_degrees()
+            );
+            return Err(ServiceError::State { id: servo.id, what });
+        }
         taps.push(tap);
         farthest = farthest.max(reached);
     }
@@ -246,11 +228,11 @@ fn ensure_strength<E: Exchange>(
 
 /// Refuses to tap a servo whose writes are waited for in vain: the ring would be over by then.
 fn ensure_it_answers_writes<E: Exchange>(
-    client: &mut Client<E>,
-    servo: &Servo,
+    guard: &mut Guard<'_, E>,
     registers: &Registers,
     plan: &Plan,
 ) -> Result<(), ServiceError> {
+    let (client, servo) = guard.parts();
     let begin = client.now();
     put(client, servo, &registers.limit, registers.part(plan.back_part()))?;
     if client.now() < begin + client.patience() {
@@ -311,29 +293,58 @@ fn put<E: Exchange>(
     client.send(servo.id, &request)
 }
 
+/// Waits, and looks where it is meanwhile.
+fn wait<E: Exchange>(
+    guard: &mut Guard<'_, E>,
+    registers: &Registers,
+    time: Duration,
+) -> Result<(), ServiceError> {
+    let end = guard.client().now() + time;
+    loop {
+        let left = end.saturating_sub(guard.client().now());
+        guard.client().pause(left.min(LOOK));
+        if left <= LOOK {
+            return Ok(());
+        }
+        position(guard, registers)?;
+    }
+}
+
+/// Reads where it is, counts.
+fn position<E: Exchange>(
+    guard: &mut Guard<'_, E>,
+    registers: &Registers,
+) -> Result<i32, ServiceError> {
+    let (client, servo) = guard.parts();
+    let now = client.read(servo, &registers.present)?;
+    guard.follow(now)?;
+    Ok(now)
+}
+
 /// Taps once: creeps, steps, and comes back. Returns how far it went, too, in counts.
 fn one<E: Exchange>(
-    client: &mut Client<E>,
-    servo: &Servo,
+    guard: &mut Guard<'_, E>,
     registers: &Registers,
     plan: &Plan,
-    held: i32,
     sign: i32,
 ) -> Result<(Tap, i32), ServiceError> {
+    let (held, servo) = (guard.held(), guard.servo());
     let way = Scale::of(&registers.goal).raw(plan.way_rad.to_degrees()).unwrap_or(0);
     let start = (0.8 * plan.gravity_part).max(RAMP_PART);
-    store(client, servo, &registers.limit, registers.part(start))?;
+    guard.change(&registers.limit, registers.part(start))?;
     if let Some((gain, [_, raised])) = &registers.gain {
-        store(client, servo, gain, *raised)?;
+        guard.change(gain, *raised)?;
     }
-    store(client, servo, &registers.goal, held + sign * way)?;
-    let mut part = creep(client, servo, registers, plan, (start, sign))?;
+    guard.go_to(held + sign * way)?;
+    let mut part = creep(guard, registers, plan, (start, sign))?;
     // Its teeth have met, and come to rest on each other. Then it speeds up, and keeps them so.
-    client.pause(Duration::from_secs_f64(plan.meet_s));
+    wait(guard, registers, Duration::from_secs_f64(plan.meet_s))?;
     part += plan.preload;
-    put(client, servo, &registers.limit, registers.part(part))?;
-    client.pause(Duration::from_secs_f64((plan.preload_s - plan.before_s).max(0.0)));
+    put(guard.client(), servo, &registers.limit, registers.part(part))?;
+    let preload = Duration::from_secs_f64((plan.preload_s - plan.before_s).max(0.0));
+    wait(guard, registers, preload)?;
     let mut readings = Vec::new();
+    let client = guard.client();
     let step = client.now() + Duration::from_secs_f64(plan.before_s);
     registers.clock.read_until(client, servo, step, &mut readings)?;
     let before = registers.part(part);
@@ -342,7 +353,10 @@ fn one<E: Exchange>(
     let step = client.now();
     let end = step + Duration::from_secs_f64(plan.window_s);
     registers.clock.read_until(client, servo, end, &mut readings)?;
-    let reached = back(client, servo, registers, plan, (held, sign))?;
+    for reading in &readings {
+        guard.follow_at(reading.host, reading.counts)?;
+    }
+    let reached = back(guard, registers, plan, sign)?;
     let count_rad = servo.table.rad_per_count();
     let samples = registers
         .clock
@@ -358,86 +372,87 @@ fn one<E: Exchange>(
 
 /// Raises its torque until it moves. Returns the part of the full torque that this takes.
 fn creep<E: Exchange>(
-    client: &mut Client<E>,
-    servo: &Servo,
+    guard: &mut Guard<'_, E>,
     registers: &Registers,
     plan: &Plan,
     (start, sign): (f64, i32),
 ) -> Result<f64, ServiceError> {
+    let servo = guard.servo();
     let mut part = start;
-    let mut least = client.read(servo, &registers.present)?;
+    let mut least = position(guard, registers)?;
     loop {
-        let now = client.read(servo, &registers.present)?;
+        let now = position(guard, registers)?;
         least = if sign > 0 { least.min(now) } else { least.max(now) };
         if sign * (now - least) >= MOVES {
             return Ok(part);
         }
         part += RAMP_PART;
         if part > MOST_CREEP + plan.gravity_part {
+            // It may be limp, or too hot.
+            guard.look()?;
             let what = format!(
                 "it does not move with {:.0} % of its torque: blocked, or too weak for what hangs on it",
                 100.0 * part
             );
             return Err(ServiceError::State { id: servo.id, what });
         }
-        put(client, servo, &registers.limit, registers.part(part))?;
-        client.pause(RAMP);
+        put(guard.client(), servo, &registers.limit, registers.part(part))?;
+        guard.client().pause(RAMP);
     }
 }
 
 /// Brakes, goes back gently, and waits until it stands. Returns how far it was from there, in counts.
 fn back<E: Exchange>(
-    client: &mut Client<E>,
-    servo: &Servo,
+    guard: &mut Guard<'_, E>,
     registers: &Registers,
     plan: &Plan,
-    (held, sign): (i32, i32),
+    sign: i32,
 ) -> Result<i32, ServiceError> {
-    store(client, servo, &registers.goal, held)?;
-    let end = client.now() + MOST_BRAKE;
+    let held = guard.held();
+    guard.go_to(held)?;
+    let end = guard.client().now() + MOST_BRAKE;
     let mut reached = i32::MIN;
     loop {
-        let now = sign * (client.read(servo, &registers.present)? - held);
-        if now < reached || client.now() > end {
+        let now = sign * (position(guard, registers)? - held);
+        if now < reached || guard.client().now() > end {
             break;
         }
         reached = now;
     }
-    store(client, servo, &registers.limit, registers.part(plan.back_part()))?;
+    guard.change(&registers.limit, registers.part(plan.back_part()))?;
     if let Some((gain, [shipped, _])) = &registers.gain {
-        store(client, servo, gain, *shipped)?;
+        guard.change(gain, *shipped)?;
     }
-    settle(client, servo, registers, plan)?;
+    settle(guard, registers, plan)?;
     Ok(reached)
 }
 
 /// Waits until it stands. Where its gear has much play it would swing round its goal for long: weak as it is then, its
 /// friction stops it.
 fn settle<E: Exchange>(
-    client: &mut Client<E>,
-    servo: &Servo,
+    guard: &mut Guard<'_, E>,
     registers: &Registers,
     plan: &Plan,
 ) -> Result<(), ServiceError> {
-    client.pause(SETTLE);
-    store(client, servo, &registers.limit, registers.part(plan.calm_part()))?;
-    let end = client.now() + MOST_SETTLE;
-    let mut ends = [client.read(servo, &registers.present)?; 2];
-    let mut since = client.now();
-    while client.now() < since + STANDS {
-        client.pause(RAMP);
-        let now = client.read(servo, &registers.present)?;
+    wait(guard, registers, SETTLE)?;
+    guard.change(&registers.limit, registers.part(plan.calm_part()))?;
+    let end = guard.client().now() + MOST_SETTLE;
+    let mut ends = [position(guard, registers)?; 2];
+    let mut since = guard.client().now();
+    while guard.client().now() < since + STANDS {
+        guard.client().pause(RAMP);
+        let now = position(guard, registers)?;
         ends = [ends[0].min(now), ends[1].max(now)];
         if ends[1] - ends[0] > 1 {
             ends = [now; 2];
-            since = client.now();
+            since = guard.client().now();
         }
-        if client.now() > end {
+        if guard.client().now() > end {
             let what = format!(
                 "it does not come to rest within {} s after a tap: something moves it, or it swings round its goal",
                 MOST_SETTLE.as_secs()
             );
-            return Err(ServiceError::State { id: servo.id, what });
+            return Err(ServiceError::State { id: guard.servo().id, what });
         }
     }
     Ok(())

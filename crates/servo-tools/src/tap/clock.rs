@@ -23,9 +23,9 @@ pub(super) enum Clock {
 /// One reading.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reading {
-    host: Duration,
+    pub(super) host: Duration,
     own_ms: i32,
-    counts: i32,
+    pub(super) counts: i32,
 }
 
 impl Clock {

@@ -94,18 +94,14 @@ impl TapTest {
     }
 
     /// Taps, and fits. Afterwards the servo stands where it stood, limp if it was limp, with all registers as before,
-    /// also where something fails or `goes_on`, which is asked before each tap, says no.
+    /// also where something fails or a signal ends it.
     ///
     /// # Errors
     /// Those of [`identify`](crate::identify::identify), and [`ServiceError::State`] if its limits leave no room for a
     /// tap, or the ring tells too little.
-    pub fn run<E: Exchange>(
-        &self,
-        client: &mut Client<E>,
-        goes_on: &mut dyn FnMut(u32) -> bool,
-    ) -> Result<Tapped, ServiceError> {
+    pub fn run<E: Exchange>(&self, client: &mut Client<E>) -> Result<Tapped, ServiceError> {
         let Self { servo, plan } = self;
-        let recorded = act::record(client, servo, plan, goes_on)?;
+        let recorded = act::record(client, servo, plan)?;
         let tapped = Tapped::of(plan, &recorded, servo.table.rad_per_count());
         tapped.check().map_err(|what| ServiceError::State { id: servo.id, what })?;
         Ok(tapped)

@@ -1,6 +1,7 @@
 //! Tools for servos, with simulated ones.
 
 mod common;
+mod ended;
 mod port;
 mod rigs;
 mod servos;

@@ -18,6 +18,7 @@ use sinew_servo_sim::port::Port;
 
 use crate::cli::driven::DrivenArgs;
 use crate::cli::guide::read_guide;
+use crate::cli::output::OutputPlace;
 use crate::cli::rig::read;
 
 /// The loop's arrays are sized for the largest board.
@@ -40,7 +41,7 @@ pub(super) struct SimulateArgs {
 
     /// Path of the link that programs open as a serial port. A link that is there is replaced.
     #[arg(long, value_name = "LINK")]
-    pty: PathBuf,
+    pty: OutputPlace,
 
     /// File that stores the board's flash: rig, shows, settings and faults remain for the next start. Default: they are
     /// lost at the end.

@@ -7,12 +7,11 @@ mod nucleo;
 mod show;
 mod sim;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context as _, ensure};
 use sinew_host_util::command::note;
-use sinew_host_util::output;
 use sinew_performance::play::{RigParts, ServoChoice, put_servos};
 use sinew_performance::rig_hash;
 use sinew_servo_sim::variation::{Change, Variation};
@@ -25,6 +24,7 @@ use super::performance::{ON_STAND, PerformanceArgs};
 use super::stack::with_stack;
 use super::target::Target;
 use super::unit_args::UnitArgs;
+use crate::cli::output::OutputPath;
 
 /// Rounds of a loop that nobody watches.
 const ROUNDS: u32 = 2;
@@ -96,7 +96,7 @@ pub(super) struct Args {
     /// ran, faults; of each joint its command, measurement, error, effort and limiter; of each servo current,
     /// temperature and voltage.
     #[arg(long, value_name = "FILE.parquet")]
-    record: Option<PathBuf>,
+    record: Option<OutputPath>,
 
     /// Number of rounds of a show that is a loop. Default: in real time until Ctrl-C, else 2.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
@@ -127,13 +127,6 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
 fn play(args: &Args) -> anyhow::Result<ExitCode> {
     args.check()?;
     let variation = Variation::of(&args.plant)?;
-    let written: Vec<&Path> = args.record.iter().map(PathBuf::as_path).collect();
-    let read = [
-        ("rig", Some(args.rig.as_path())),
-        ("show", Some(Path::new(&args.show))),
-        ("mapping", args.mapping.as_deref()),
-    ];
-    output::distinct(&written, &read)?;
     // What is missing is said before anything is fitted.
     let nucleo = (args.target == Target::Nucleo).then(nucleo::Files::find).transpose()?;
     let mut rig = args.on_rig.rig(&args.rig, ON_STAND)?;

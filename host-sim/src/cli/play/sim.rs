@@ -1,7 +1,6 @@
 //! `sinew play --target sim`: a show on simulated servos, under the controller in this program.
 
 use std::io::{self, IsTerminal as _};
-use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
@@ -16,6 +15,7 @@ use sinew_show::Show;
 
 use super::Args;
 use super::live::Live;
+use crate::cli::output::OutputPath;
 use crate::cli::stop::Stop;
 
 impl Args {
@@ -93,7 +93,7 @@ impl Args {
     }
 
     fn recorder(&self, rig: &LoadedRig, parts: &RigParts) -> anyhow::Result<Option<Recorder>> {
-        let begin = |path: &PathBuf| {
+        let begin = |path: &OutputPath| {
             let rig = toml_file::write(&rig.description);
             let varied = self.varied();
             let notes = [("show", Some(&self.show)), ("plant", varied.as_ref())];

@@ -21,7 +21,7 @@ const RATE_HZ: f32 = 100.0;
 /// How often the state is looked at.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// What was measured between `teaching` or `floating` and Ctrl-C, or for so many seconds.
+/// What was measured between `teaching` or `floating` and Ctrl-C, or for so many seconds; or until it was ended, and why.
 pub(super) fn led(
     port: &Path,
     silence: Duration,
@@ -29,7 +29,7 @@ pub(super) fn led(
     parts: &RigParts,
     mode: Mode,
     seconds: Option<f64>,
-) -> anyhow::Result<RigMotion> {
+) -> anyhow::Result<(RigMotion, anyhow::Result<()>)> {
     check_servos(parts, mode)?;
     let mut board = open(Some(port), "--target")?;
     board.set_silence(silence);
@@ -43,10 +43,12 @@ pub(super) fn led(
     session.bar.finish_and_clear();
     // Whatever came between: the rig is limp before this ends, or a second Ctrl-C came.
     let stopped = session.limp();
-    led?;
-    stopped?;
+    let ended = led.and(stopped);
     let poses = session.board.log.poses.take().unwrap_or_default();
-    Ok(rows(&rig.mechanism, &poses, tick_s, f64::from(told.rate_hz).recip())?)
+    match rows(&rig.mechanism, &poses, tick_s, f64::from(told.rate_hz).recip()) {
+        Ok(motion) => Ok((motion, ended)),
+        Err(why) => Err(ended.err().unwrap_or_else(|| why.into())),
+    }
 }
 
 fn bar() -> anyhow::Result<ProgressBar> {

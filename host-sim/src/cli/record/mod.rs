@@ -28,6 +28,7 @@ use super::guide::read_guide;
 use super::performance::{ON_STAND, PerformanceArgs};
 use super::stack::with_stack;
 use super::target::Target;
+use crate::cli::output::OutputPath;
 
 /// Record a motion by leading the rig by hand: as a show, or as a CSV of its joint coordinates.
 ///
@@ -102,7 +103,7 @@ pub(super) struct Args {
 
     /// File to write: `.show` or `.csv`. May be given twice.
     #[arg(short, long, value_name = "FILE", required = true)]
-    output: Vec<PathBuf>,
+    output: Vec<OutputPath>,
 }
 
 /// What was measured; of a scripted hand also where it led, and how far each coordinate went after it let go.
@@ -111,68 +112,93 @@ type Led = (RigMotion, Option<(GuideTrajectory, Vec<f64>)>);
 /// Runs the subcommand.
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     args.check()?;
-    let written: Vec<&Path> = args.output.iter().map(PathBuf::as_path).collect();
-    for path in &written {
+    for path in &args.output {
         if !["show", "csv"].contains(&kind(path)) {
             bail!("{}: expected a name that ends in .show or .csv", path.display());
         }
     }
-    let read = [("rig", Some(args.rig.as_path())), ("guide", args.guide.as_deref())];
-    output::distinct(&written, &read)?;
     let mut rig = PerformanceArgs::default().rig(&args.rig, ON_STAND)?;
     if put_servos(&mut rig.description, &args.servo)? > 0 {
         rig.mechanism = rig.description.mechanism()?;
     }
-    let led = with_stack(|| match &args.target {
+    let ((measured, simulated), ended) = with_stack(|| match &args.target {
         Target::Port(port) => args.led_at(port, &rig),
-        Target::Sim | Target::Nucleo => args.led(&rig),
+        Target::Sim | Target::Nucleo => args.led(&rig).map(|led| (led, Ok(()))),
     })?;
-    let (measured, simulated) = led;
-    let taught = TeachResult::new(&rig.mechanism, &measured, args.cutoff_hz, args.rate_hz)?;
-    let [before_s, behind_s] = taught.cut_s;
-    let mut text = format!(
-        "led for {:.2} s; cut {before_s:.2} s of rest before and {behind_s:.2} s behind: {:.2} s are left\n",
-        measured.duration_s(),
-        taught.motion.duration_s(),
-    );
-    if args.cutoff_hz > 0.0 {
-        text.extend([format!(
-            "low-pass at {} Hz: it moved a joint by {} at most\n",
-            args.cutoff_hz,
-            shown(taught.smoothed)
-        )]);
+    let written = ended.and_then(|()| args.write(&rig, &measured, simulated));
+    if written.is_err() && args.target != Target::Sim {
+        args.keep(&rig, &measured);
     }
-    for path in written {
-        let is_show = kind(path) == "show";
-        if is_show {
-            let (of_show, motion) = args.show(&rig, &taught.motion, path)?;
-            text += &of_show;
-            if let Some((guide, _)) = &simulated {
-                text += &args.off(&rig, &motion, guide, before_s, "the show")?;
-            }
-        } else {
-            output::write(path, table::csv(&rig.mechanism, &taught.motion, 0.0))?;
-            if let Some((guide, _)) = &simulated {
-                text += &args.off(&rig, &taught.motion, guide, before_s, "the table")?;
-            }
-        }
-        note(format_args!("wrote {}", path.display()));
-    }
-    if let Some((let_go_s, (_, drift))) = args.release_test_s.zip(simulated) {
-        let (at, most) = drift
-            .iter()
-            .enumerate()
-            .fold((0, 0.0), |most, (at, drift)| if *drift > most.1 { (at, *drift) } else { most });
-        let joint = coordinate(&rig, at);
-        let line =
-            format!("let go for {let_go_s} s: it drifted by {} at most ({joint})\n", shown(most));
-        text.push_str(&line);
-    }
-    print(&text)?;
+    print(&written?)?;
     Ok(())
 }
 
 impl Args {
+    /// Writes what a person led, as it was measured, beside the file that it was led for: nobody leads it twice alike.
+    fn keep(&self, rig: &LoadedRig, measured: &RigMotion) {
+        let Some(path) = self.output.first() else { return };
+        let kept = path.with_extension("led.csv");
+        match output::write(&kept, table::csv(&rig.mechanism, measured, 0.0)) {
+            Ok(()) => note(format_args!(
+                "{}: what was led, as it was measured: {:.2} s",
+                kept.display(),
+                measured.duration_s()
+            )),
+            Err(why) => note(format_args!("what was led is lost: {why:#}")),
+        }
+    }
+
+    /// Writes all files; says what they are.
+    fn write(
+        &self,
+        rig: &LoadedRig,
+        measured: &RigMotion,
+        simulated: Option<(GuideTrajectory, Vec<f64>)>,
+    ) -> anyhow::Result<String> {
+        let taught = TeachResult::new(&rig.mechanism, measured, self.cutoff_hz, self.rate_hz)?;
+        let [before_s, behind_s] = taught.cut_s;
+        let mut text = format!(
+            "led for {:.2} s; cut {before_s:.2} s of rest before and {behind_s:.2} s behind: {:.2} s are left\n",
+            measured.duration_s(),
+            taught.motion.duration_s(),
+        );
+        if self.cutoff_hz > 0.0 {
+            text.extend([format!(
+                "low-pass at {} Hz: it moved a joint by {} at most\n",
+                self.cutoff_hz,
+                shown(taught.smoothed)
+            )]);
+        }
+        for path in &self.output {
+            let is_show = kind(path) == "show";
+            if is_show {
+                let (of_show, motion) = self.show(rig, &taught.motion, path)?;
+                text += &of_show;
+                if let Some((guide, _)) = &simulated {
+                    text += &self.off(rig, &motion, guide, before_s, "the show")?;
+                }
+            } else {
+                output::write(path, table::csv(&rig.mechanism, &taught.motion, 0.0))?;
+                if let Some((guide, _)) = &simulated {
+                    text += &self.off(rig, &taught.motion, guide, before_s, "the table")?;
+                }
+            }
+            note(format_args!("wrote {}", path.display()));
+        }
+        if let Some((let_go_s, (_, drift))) = self.release_test_s.zip(simulated) {
+            let (at, most) = drift.iter().enumerate().fold((0, 0.0), |most, (at, drift)| {
+                if *drift > most.1 { (at, *drift) } else { most }
+            });
+            let joint = coordinate(rig, at);
+            let line = format!(
+                "let go for {let_go_s} s: it drifted by {} at most ({joint})\n",
+                shown(most)
+            );
+            text.push_str(&line);
+        }
+        Ok(text)
+    }
+
     /// Refuses options that have no effect on the target.
     pub(super) fn check(&self) -> anyhow::Result<()> {
         let of_sim = [
@@ -204,9 +230,11 @@ impl Args {
     }
 
     /// What a controller measured while somebody led its rig.
-    fn led_at(&self, port: &Path, rig: &LoadedRig) -> anyhow::Result<Led> {
+    fn led_at(&self, port: &Path, rig: &LoadedRig) -> anyhow::Result<(Led, anyhow::Result<()>)> {
         let parts = self.parts(rig)?;
-        Ok((board::led(port, self.silence.time(), rig, &parts, self.mode(), self.seconds)?, None))
+        let (motion, ended) =
+            board::led(port, self.silence.time(), rig, &parts, self.mode(), self.seconds)?;
+        Ok(((motion, None), ended))
     }
 
     /// What was measured while the scripted hand led.

@@ -1,12 +1,14 @@
 //! Files of rigs, read and written.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::bail;
 use clap::Args;
 use sinew_host_util::command::note;
 use sinew_performance::rig::{LoadedRig, load};
 use sinew_rig::import::Options;
+
+use crate::cli::output::OutputPath;
 
 /// Reads a rig of any format; what an import changed is said on standard error.
 pub(in crate::cli) fn read(path: &Path) -> anyhow::Result<LoadedRig> {
@@ -27,7 +29,7 @@ pub(super) fn read_as(path: &Path, options: &Options) -> anyhow::Result<LoadedRi
 pub(super) struct OutputArgs {
     /// File to write. Default: standard output.
     #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
+    output: Option<OutputPath>,
 
     /// Replace an existing file.
     #[arg(long)]

@@ -8,6 +8,7 @@ use sinew_report::rig::page;
 
 use super::check::LoopArgs;
 use super::files::{read_as, write_file};
+use crate::cli::output::OutputPath;
 use crate::cli::unit_args::UnitArgs;
 
 /// Write a page that shows the rig in 3D: a slider for each joint, its axes, ranges and loads.
@@ -24,7 +25,7 @@ pub(super) struct ViewArgs {
 
     /// Page to write.
     #[arg(short, long, value_name = "FILE.html", default_value = "rig.html")]
-    output: PathBuf,
+    output: OutputPath,
 
     #[command(flatten)]
     control: LoopArgs,

@@ -3,23 +3,23 @@
 use std::io::{self, IsTerminal as _, Write as _};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 
-use anyhow::{Context as _, bail};
+use anyhow::Context as _;
 use sinew_host_util::command::note;
+use sinew_host_util::output::{try_to_write, write};
 use sinew_rig::{Description, toml_file};
-use sinew_servo_tools::calibrate::{Calibration, LOOK_EVERY, drives_of, home_of, offsets};
-use sinew_servo_tools::rig_file::{edited, replace};
+use sinew_servo_tools::calibrate::{Calibration, drives_of, home_of, offsets};
+use sinew_servo_tools::rig_file::edited;
 use sinew_servo_tools::rig_servo::{RigServo, of_bus};
 
-use super::line::LineArgs;
-use super::line::PortClient;
+use super::line::{LineArgs, PortClient, open_rig_servo};
+use super::prompt::Prompt;
 use super::rig::find_rate;
 
 /// Find the range of each joint by hand, and write it into the rig file.
 ///
 /// Drive by drive: torque goes off, you move the joint from stop to stop, and Enter takes the ends. Then you put it at
-/// its home, and Enter takes the servo's offset. Only `range_deg` and `offset_deg` of the servos are changed; all else
+/// its home, and Enter takes the servo's offset. Torque stays off, also where Ctrl-C or an error ends it. Only `range_deg` and `offset_deg` of the servos are changed; all else
 /// in the file stays as you wrote it.
 #[derive(Debug, clap::Args)]
 pub(super) struct CalibrateArgs {
@@ -55,16 +55,18 @@ pub(super) fn run(line: &LineArgs, args: &CalibrateArgs) -> anyhow::Result<ExitC
         .with_context(|| format!("{}: calibration needs a rig.toml", name()))?;
     let servos = of_bus(&rig, args.rig_bus.as_deref())?;
     let drives = drives_of(&rig, &args.joints)?;
+    // A person moves each joint for it.
+    try_to_write(&args.rig)?;
     let mut client = line.client()?;
     find_rate(line, &mut client, &servos)?;
-    let lines = lines();
+    let prompt = Prompt::new();
     for drive in drives {
         let of_drive = servos_of(&rig, drive, &servos);
         if of_drive.is_empty() {
             continue;
         }
-        text = one(&mut client, &rig, drive, &of_drive, args.margin_deg, &text, &lines)?;
-        replace(&args.rig, &text).with_context(name)?;
+        text = one(&mut client, &rig, drive, &of_drive, args.margin_deg, &text, &prompt)?;
+        write(&args.rig, &text)?;
         note(format_args!("wrote {}", name()));
     }
     Ok(ExitCode::SUCCESS)
@@ -87,18 +89,18 @@ fn one(
     of_drive: &[&RigServo],
     margin_deg: f64,
     text: &str,
-    lines: &Receiver<String>,
+    prompt: &Prompt,
 ) -> anyhow::Result<String> {
     let joints = rig.drives[drive].joints.join(", ");
     let mut servos = Vec::new();
     for servo in of_drive {
-        servos.push(((*servo).clone(), servo.open(client)?));
+        servos.push(((*servo).clone(), open_rig_servo(client, servo)?));
     }
     note(format_args!("{joints}: hold what would fall. Enter switches its torque off."));
-    wait_for_enter(lines, || Ok(()))?;
+    prompt.enter(|| Ok(client.ensure_going()?))?;
     let mut calibration = Calibration::begin(client, &servos)?;
     note(format_args!("{joints}: move it from stop to stop. Enter takes the ends."));
-    wait_for_enter(lines, || {
+    prompt.enter(|| {
         calibration.look(client)?;
         show(&calibration);
         Ok(())
@@ -113,7 +115,7 @@ fn one(
     note(format_args!(
         "Now put it at home: {home}. Enter takes the offset; `s` and Enter leaves it."
     ));
-    let answer = wait_for_enter(lines, || {
+    let answer = prompt.enter(|| {
         calibration.look(client)?;
         show(&calibration);
         Ok(())
@@ -125,37 +127,6 @@ fn one(
     // With the range that was just found.
     let rig = toml_file::read(&text)?;
     Ok(edited(&text, &offsets(&rig, drive, &calibration.now_rad())?)?)
-}
-
-/// Lines of standard input, while something else goes on.
-fn lines() -> Receiver<String> {
-    let (sender, receiver) = mpsc::channel();
-    std::thread::spawn(move || {
-        for line in io::stdin().lines() {
-            let Ok(line) = line else { break };
-            if sender.send(line).is_err() {
-                break;
-            }
-        }
-    });
-    receiver
-}
-
-/// Does `meanwhile` again and again until a line comes.
-fn wait_for_enter(
-    lines: &Receiver<String>,
-    mut meanwhile: impl FnMut() -> anyhow::Result<()>,
-) -> anyhow::Result<String> {
-    loop {
-        meanwhile()?;
-        match lines.recv_timeout(LOOK_EVERY) {
-            Ok(line) => return Ok(line),
-            Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => {
-                bail!("the input ended; this joint was not written, those before it were")
-            }
-        }
-    }
 }
 
 /// One line on a terminal, that the next one replaces.

@@ -6,9 +6,13 @@ use std::time::Duration;
 use anyhow::Context as _;
 use sinew_board_client::BoardServos;
 use sinew_host_util::command::note;
-use sinew_servo_tools::{Client, Exchange, Protocol, SerialLine, Servo, Settings, find};
+use sinew_servo_tools::rig_servo::RigServo;
+use sinew_servo_tools::{
+    Client, Exchange, Protocol, SerialLine, ServiceError, Servo, Settings, find, left,
+};
 
 use crate::cli::board::open;
+use crate::cli::stop;
 
 /// Options of the line.
 #[derive(Debug, clap::Args)]
@@ -104,7 +108,10 @@ impl LineArgs {
         let protocol = self.protocols().first().copied().unwrap_or(Protocol::Dynamixel);
         let baud = self.baud.unwrap_or(protocol.bauds()[0]);
         let patience = Duration::from_millis(self.timeout_ms.unwrap_or(wait_ms));
-        Ok(Client::new(line, protocol, baud, Settings { patience, tries: self.tries })?)
+        let settings = Settings { patience, tries: self.tries };
+        let mut client = Client::new(line, protocol, baud, settings)?;
+        client.stop_at(stop::flag()?);
+        Ok(client)
     }
 
     /// The port of the servos, if a controller answers there: nothing that is done with servos can come of it.
@@ -130,6 +137,7 @@ impl LineArgs {
     pub(super) fn servo(&self, id: u8) -> anyhow::Result<(PortClient, Servo)> {
         let mut client = self.client()?;
         let servo = self.find(&mut client, id, &self.protocols())?;
+        tell_left(&mut client, &servo);
         Ok((client, servo))
     }
 
@@ -150,5 +158,23 @@ impl LineArgs {
             ));
         }
         Ok(servo)
+    }
+}
+
+/// Opens a servo of a rig, and tells if a program left it.
+pub(super) fn open_rig_servo(
+    client: &mut PortClient,
+    servo: &RigServo,
+) -> Result<Servo, ServiceError> {
+    let found = servo.open(client)?;
+    tell_left(client, &found);
+    Ok(found)
+}
+
+/// Tells of a servo that a program left in the middle of what it did.
+fn tell_left(client: &mut PortClient, servo: &Servo) {
+    // One that does not say so now says why in the next answer.
+    if let Ok(Some(left)) = left::look(client, servo) {
+        note(format_args!("servo {}: {}", servo.id, left.what));
     }
 }

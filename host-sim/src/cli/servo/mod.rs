@@ -4,6 +4,7 @@ mod calibrate;
 mod format;
 mod line;
 mod one;
+mod prompt;
 mod registers;
 mod rig;
 mod scan;

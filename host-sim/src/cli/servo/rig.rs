@@ -11,7 +11,7 @@ use sinew_servo_tools::rig_servo::{RigServo, of_bus};
 use sinew_servo_tools::{ServiceError, Servo};
 
 use super::format::Format;
-use super::line::{LineArgs, PortClient};
+use super::line::{LineArgs, PortClient, open_rig_servo};
 use crate::cli::rig::read;
 
 /// The rig, and the quantity that its servos control.
@@ -66,11 +66,12 @@ impl RigArgs {
         let servos = of_bus(&rig, self.rig_bus.as_deref())?;
         let mut client = line.client()?;
         find_rate(line, &mut client, &servos)?;
-        let opened = servos.into_iter().map(|servo| {
-            let found = servo.open(&mut client);
-            (servo, found)
-        });
-        let opened = opened.collect();
+        let mut opened = Vec::new();
+        for servo in servos {
+            let found = open_rig_servo(&mut client, &servo);
+            client.ensure_going()?;
+            opened.push((servo, found));
+        }
         Ok((client, opened))
     }
 }
@@ -244,6 +245,9 @@ pub(super) fn apply(line: &LineArgs, args: &ApplyArgs) -> anyhow::Result<ExitCod
                 print(&format!("{} (id {}): {what}{limp}\n", rig.name, rig.id))?;
             }
             Err(error) => {
+                if matches!(error, ServiceError::Stopped) {
+                    return Err(error.into());
+                }
                 failed = true;
                 let is_on = matches!(
                     error,

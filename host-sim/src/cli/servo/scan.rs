@@ -53,6 +53,7 @@ fn tell(event: ScanEvent<'_>) {
             Some(model) => note(format_args!("  id {id}: {model}")),
             None => note(format_args!("  id {id}: model {model_number}, which is not in the list")),
         },
+        ScanEvent::Left(id, left) => note(format_args!("  id {id}: {}", left.what)),
         ScanEvent::Collision(_, _, id) => note(format_args!(
             "  id {id}: what answers is no packet. Two servos have this id? Connect them one at a time, and use set-id"
         )),

@@ -1,26 +1,26 @@
 //! `sinew servo tap`: stiffness and damping of a gear, into the rig file.
 
-use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
 use sinew_host_util::command::{note, print, table};
-use sinew_host_util::output::write;
+use sinew_host_util::output::{try_to_write, write};
 use sinew_performance::rig::LoadedRig;
 use sinew_rig::description::SourcedValue;
 use sinew_servo_sim::load::{Load as _, Shaft};
 use sinew_servo_sim::rig::{RigServo as Loaded, servos};
 use sinew_servo_sim::variation::Change;
-use sinew_servo_tools::rig_file::{replace, with_gear};
+use sinew_servo_tools::rig_file::with_gear;
 use sinew_servo_tools::rig_servo::{RigServo, of_bus};
 use sinew_servo_tools::tap::{Load, PARTS, Settings, TapTest, Tapped};
 
-use super::line::LineArgs;
+use super::line::{LineArgs, open_rig_servo};
+use super::prompt::Prompt;
 use super::rig::find_rate;
 use super::tapped_sim::{self, TargetArg};
+use crate::cli::output::OutputPath;
 use crate::cli::rig::read;
-use crate::cli::stop::Stop;
 
 /// Measure stiffness and damping of a servo's gear by a tap test, and write them into the rig file.
 ///
@@ -28,8 +28,8 @@ use crate::cli::stop::Stop;
 /// far it moves, and with how much torque, is said before. Stand the rig at its home pose, and hold all other joints of
 /// the servo's limb: what hangs on it must be stiff. Its inertia is that of the rig file.
 ///
-/// It asks before it moves. At Ctrl-C (after the tap that is under way) and at each error the servo goes back, and all
-/// its registers are as before; a servo that was limp is limp again. `gear_stiffness_nm_rad` and `gear_damping_nm_s` of
+/// It asks before it moves. At Ctrl-C and at each error the servo brakes, and all its registers are as before; a servo
+/// that was limp is limp again. `gear_stiffness_nm_rad` and `gear_damping_nm_s` of
 /// its kind are written: for all servos of this kind. Taps that tell too little are no result: exit code 2. Play is not
 /// measured.
 #[derive(Debug, clap::Args)]
@@ -44,7 +44,7 @@ pub(super) struct TapArgs {
 
     /// New file to write, in place of the rig's own.
     #[arg(short, long, value_name = "FILE", conflicts_with = "dry_run")]
-    output: Option<PathBuf>,
+    output: Option<OutputPath>,
 
     /// Print only; write no file.
     #[arg(long)]
@@ -96,6 +96,9 @@ pub(super) fn run(line: &LineArgs, args: &TapArgs) -> anyhow::Result<ExitCode> {
     if let Some(path) = args.output.as_ref().filter(|path| path.exists()) {
         bail!("{}: is there already", path.display());
     }
+    if args.output.is_none() && !args.dry_run {
+        try_to_write(&args.rig)?;
+    }
     let text = sinew_mocap::read::text(&args.rig).with_context(name)?;
     let loaded = read(&args.rig)?;
     let servo = of_name(&loaded, &args.servo)?;
@@ -117,9 +120,9 @@ pub(super) fn run(line: &LineArgs, args: &TapArgs) -> anyhow::Result<ExitCode> {
     let text = with_gear(&text, &servo.model.name, sourced(&servo, &tapped, args.target))?;
     match &args.output {
         Some(path) => write(path, &text)?,
-        None => replace(&args.rig, &text).with_context(name)?,
+        None => write(&args.rig, &text)?,
     }
-    let path = args.output.as_ref().unwrap_or(&args.rig);
+    let path = args.output.as_deref().unwrap_or(&args.rig);
     note(format_args!("wrote {} into {}", servo.model.name, path.display()));
     Ok(ExitCode::SUCCESS)
 }
@@ -157,7 +160,7 @@ fn on_port(
 ) -> anyhow::Result<Tapped> {
     let mut client = line.client()?;
     find_rate(line, &mut client, std::slice::from_ref(servo))?;
-    let found = servo.open(&mut client)?;
+    let found = open_rig_servo(&mut client, servo)?;
     let test = TapTest::new(&mut client, &found, &servo.model, settings)?;
     note(format_args!(
         "{} (id {}): {} taps move it by up to {:.0} deg, with up to {:.0} % of its torque. Stand the rig at its home \
@@ -170,12 +173,9 @@ fn on_port(
     ));
     if !args.yes {
         note(format_args!("Enter begins; Ctrl-C ends it at any time."));
-        if io::stdin().read_line(&mut String::new())? == 0 {
-            bail!("the input ended; nothing moved");
-        }
+        Prompt::new().enter(|| Ok(client.ensure_going()?))?;
     }
-    let stop = Stop::new()?;
-    Ok(test.run(&mut client, &mut |_| stop.times() == 0)?)
+    Ok(test.run(&mut client)?)
 }
 
 /// As a table: what was found, how sure it is, and what the file had.

@@ -45,7 +45,7 @@ pub(super) fn tap(
     let mut client = Client::new(Line(bench), protocol, BAUD, Patience::default())?;
     let found = servo.open(&mut client)?;
     let test = TapTest::new(&mut client, &found, &servo.model, settings)?;
-    Ok(test.run(&mut client, &mut |_| true)?)
+    Ok(test.run(&mut client)?)
 }
 
 /// A simulated line, in its own time.

@@ -12,8 +12,7 @@ use sinew_servo_tools::rig_servo::of_bus;
 use sinew_servo_tools::watch::{State, look};
 use sinew_servo_tools::{ScanSettings, ServiceError, Servo, scan};
 
-use super::line::LineArgs;
-use super::line::PortClient;
+use super::line::{LineArgs, PortClient, open_rig_servo};
 use super::rig::find_rate;
 use crate::cli::rig::read;
 
@@ -87,7 +86,7 @@ fn servos(line: &LineArgs, args: &WatchArgs) -> anyhow::Result<(PortClient, Vec<
     if let Some(of_rig) = of_rig {
         find_rate(line, &mut client, &of_rig)?;
         for servo in of_rig {
-            match servo.open(&mut client) {
+            match open_rig_servo(&mut client, &servo) {
                 Ok(found) => servos.push((servo.name, found)),
                 Err(error) => note(format_args!("{}: {error}", servo.name)),
             }

@@ -3,6 +3,8 @@
 #[cfg(unix)]
 mod calibrate;
 #[cfg(unix)]
+mod ended;
+#[cfg(unix)]
 mod on_bus;
 #[cfg(unix)]
 mod process;

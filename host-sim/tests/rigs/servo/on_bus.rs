@@ -9,7 +9,7 @@ use super::process::{end, start};
 use crate::common::{printed, sinew};
 
 /// Servos on a port.
-struct Bus {
+pub(super) struct Bus {
     folder: tempfile::TempDir,
     child: Option<Child>,
 }
@@ -19,11 +19,20 @@ impl Bus {
         folder.join("bus").to_str().unwrap().to_owned()
     }
 
-    fn of_kind(kind: &str, ids: &str) -> Self {
+    pub(super) fn of_kind(kind: &str, ids: &str) -> Self {
+        Self::of_kind_with(kind, ids, &[])
+    }
+
+    pub(super) fn of_kind_with(kind: &str, ids: &str, more: &[&str]) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let link = Self::link(folder.path());
-        let child = Some(start(&["--kind", kind, "--ids", ids, "--pty", &link]));
+        let args = ["--kind", kind, "--ids", ids, "--pty", &link];
+        let child = Some(start(&[&args, more].concat()));
         Self { folder, child }
+    }
+
+    pub(super) fn port(&self) -> String {
+        Self::link(self.folder.path())
     }
 
     /// The servos of a rig that `sinew rig new` makes.
@@ -42,8 +51,8 @@ impl Bus {
     }
 
     /// Exit code, standard output and standard error of `sinew servo ARGS --port LINK`.
-    fn servo(&self, args: &[&str]) -> (i32, String, String) {
-        let port = Self::link(self.folder.path());
+    pub(super) fn servo(&self, args: &[&str]) -> (i32, String, String) {
+        let port = self.port();
         let output = sinew(&[&["servo"], args, &["--port", &port]].concat());
         let text = |bytes| String::from_utf8(bytes).unwrap();
         (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
@@ -51,7 +60,7 @@ impl Bus {
 
     /// The same on the rate of the port, which must succeed. A busy machine may let the simulator wait.
     #[track_caller]
-    fn done(&self, args: &[&str]) -> String {
+    pub(super) fn done(&self, args: &[&str]) -> String {
         let args: Vec<&str> =
             args.iter().chain(&["--baud", "1000000", "--timeout-ms", "300"]).copied().collect();
         let (code, said, errors) = self.servo(&args);
@@ -61,7 +70,7 @@ impl Bus {
 
     /// The same, which must end with another code; all that it says.
     #[track_caller]
-    fn not_done(&self, args: &[&str], expected: i32) -> String {
+    pub(super) fn not_done(&self, args: &[&str], expected: i32) -> String {
         let args: Vec<&str> =
             args.iter().chain(&["--baud", "1000000", "--timeout-ms", "300"]).copied().collect();
         let (code, said, errors) = self.servo(&args);
@@ -70,7 +79,7 @@ impl Bus {
     }
 
     /// The raw number in a register.
-    fn raw(&self, id: &str, register: &str) -> i64 {
+    pub(super) fn raw(&self, id: &str, register: &str) -> i64 {
         let read = self.done(&["read", id, register, "--format", "json"]);
         let object: Value = serde_json::from_str(&read).unwrap();
         assert_eq!(object["schema"], "sinew-servo-read/1");

@@ -127,6 +127,40 @@ fn of_a_recording_that_is_cut_off_what_is_whole_is_shown() {
     assert!(std::fs::read_to_string(path(folder.path(), "cut.html")).unwrap().contains(&told));
 }
 
+/// Refused, or said to be cut off: what is shown then is as it was written.
+#[test]
+fn each_flipped_bit_of_a_recording_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let [file, ..] = recorded(folder.path());
+    let bytes = std::fs::read(&file).unwrap();
+    let flipped = path(folder.path(), "flipped.parquet");
+    let mut seed = 200_u64;
+    let mut below = |most: u64| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 20) % most
+    };
+    let bits = 8 * bytes.len() as u64;
+    // Anywhere, and in the last end: lengths, names, the checksum itself.
+    let anywhere: Vec<u64> = (0..200).map(|_| below(bits)).collect();
+    let in_end: Vec<u64> = (0..200).map(|_| bits - 1 - below(8 * 1500)).collect();
+    let [mut refused, mut cut] = [0, 0];
+    for bit in anywhere.into_iter().chain(in_end).chain(bits - 64..bits) {
+        let mut other = bytes.clone();
+        let [at, bit] = [bit / 8, bit % 8].map(|number| usize::try_from(number).unwrap());
+        other[at] ^= 1 << bit;
+        std::fs::write(&flipped, other).unwrap();
+        match Recording::open(Path::new(&flipped)) {
+            Err(_) => refused += 1,
+            Ok(recording) => {
+                assert!(!recording.is_whole(), "bit {bit} of byte {at} of {}", bytes.len());
+                cut += 1;
+            }
+        }
+    }
+    println!("{refused} refused, {cut} shown as cut off");
+    assert_eq!(refused + cut, 464);
+}
+
 #[test]
 fn what_is_no_recording_is_refused_in_words() {
     let folder = tempfile::tempdir().unwrap();
@@ -144,7 +178,7 @@ fn what_is_no_recording_is_refused_in_words() {
         (&["report", &rig][..], "found a rig.toml"),
         (&["report", "nothing.parquet"], "nothing.parquet: No such file"),
         (&["report", &short], "nothing of it is whole"),
-        (&["report", &damaged], "part 1: "),
+        (&["report", &damaged], "is damaged: its checksum"),
         (&["report", &file, "--rig", &other], "it is another rig"),
         (&["report", &file, "-o", &file], "is the recording, which would be lost"),
     ] {

@@ -14,6 +14,7 @@ use sinew_performance::play::RigParts;
 use self::findings::Findings;
 use super::BoardPort;
 use crate::cli::driven::DrivenArgs;
+use crate::cli::output::OutputPath;
 use crate::cli::rig::read;
 
 /// Check a board while its rig is limp, and write a report that you can send.
@@ -35,7 +36,7 @@ pub(super) struct DoctorArgs {
 
     /// File to write the report to.
     #[arg(short, long, value_name = "FILE", default_value = "sinew-doctor.txt")]
-    output: PathBuf,
+    output: OutputPath,
 }
 
 /// Looks, prints and writes.

@@ -1,0 +1,97 @@
+//! Servos that a program left in the middle of what it did: it was killed, or its cable was pulled.
+//!
+//! A tool marks what it changes: the bus watchdog of a Dynamixel is set before all else, and the torque limit of an STS
+//! is lowered; both are put back last. So what is left can be read off the servo, by any program on any machine.
+
+use sinew_servo_bus::dynamixel::table::address as dxl;
+use sinew_servo_bus::feetech::Family;
+use sinew_servo_bus::feetech::table::address as feetech_address;
+
+use crate::guard::WATCHDOG;
+use crate::identify::RUNNING_TIME_MS;
+use crate::quantity::Scale;
+use crate::store::{lock_of, torque_is_on};
+use crate::{Client, Exchange, ServiceError, Servo, Table};
+
+/// A servo as a program left it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Left {
+    /// What is left, and what helps.
+    pub what: String,
+    /// Whether its torque is on.
+    pub is_on: bool,
+}
+
+/// Looks whether a program that was ended left something on a servo.
+///
+/// # Errors
+/// Those of [`Client::read_bytes`].
+pub fn look<E: Exchange>(
+    client: &mut Client<E>,
+    servo: &Servo,
+) -> Result<Option<Left>, ServiceError> {
+    let is_on = torque_is_on(client, servo)?;
+    let id = servo.id;
+    let marks = match servo.table {
+        Table::Dynamixel(_) => of_dynamixel(client, servo, is_on)?,
+        Table::Feetech(table) => of_feetech(client, servo, table.model.family, is_on)?,
+    };
+    let mut words = Vec::new();
+    if let Some(marks) = marks {
+        let (torque, helps) =
+            if is_on { ("on", "lets go of it and sets") } else { ("off", "sets") };
+        words.push(format!(
+            "a program that was ended has left it so: its torque is {torque}, and {marks}. `sinew servo reboot {id}` \
+             {helps} back what it has in RAM"
+        ));
+    }
+    if let Some(lock) = lock_of(servo)
+        && client.read(servo, &lock)? == 0
+    {
+        words.push(
+            "its EEPROM is open: a program that was ended, or another one, has left it so. The next `sinew servo \
+             write` to it shuts it"
+                .to_owned(),
+        );
+    }
+    Ok((!words.is_empty()).then(|| Left { what: words.join("; "), is_on }))
+}
+
+fn of_dynamixel<E: Exchange>(
+    client: &mut Client<E>,
+    servo: &Servo,
+    is_on: bool,
+) -> Result<Option<String>, ServiceError> {
+    let watchdog = servo.table.register_at(dxl::BUS_WATCHDOG)?;
+    Ok(match client.read(servo, &watchdog)? {
+        ran_out if ran_out < 0 && is_on => {
+            Some("its Bus Watchdog has run out, so it holds where it was then".to_owned())
+        }
+        set if set == WATCHDOG => Some(format!(
+            "its Bus Watchdog is {}, as for a move",
+            Scale::of(&watchdog).quantity(set)
+        )),
+        _ => None,
+    })
+}
+
+fn of_feetech<E: Exchange>(
+    client: &mut Client<E>,
+    servo: &Servo,
+    family: Family,
+    is_on: bool,
+) -> Result<Option<String>, ServiceError> {
+    let table = &servo.table;
+    if family == Family::Scs {
+        // It can limit nothing; its goal takes so long.
+        let time = client.read(servo, &table.register("Running Time")?)?;
+        let is_left = is_on && time == RUNNING_TIME_MS;
+        return Ok(is_left.then(|| format!("its Running Time is {time} ms, as for a move")));
+    }
+    let limit = table.register_at(feetech_address::TORQUE_LIMIT.into())?;
+    let most = table.register_at(feetech_address::MAX_TORQUE.into())?;
+    let [has, starts] = [client.read(servo, &limit)?, client.read(servo, &most)?];
+    let [shown, after] = [has, starts].map(|raw| Scale::of(&limit).quantity(raw));
+    Ok((has != starts)
+        .then(|| format!("its Torque Limit is {shown}, where a start makes it {after}")))
+}
