@@ -103,7 +103,7 @@ pub struct ServoSetup {
     pub supply: SupplySettings,
     /// Its winding.
     pub winding: WindingSettings,
-    /// Current at stall, A: of a servo that tells its load alone, load is a part of it.
+    /// Current at stall, A: of a servo by position that tells its load alone, load is a part of it.
     pub stall_a: f32,
     /// Torque at stall, N m: where the rig asks for less, its own limit must be lower.
     pub stall_nm: f32,

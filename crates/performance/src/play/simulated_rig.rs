@@ -7,7 +7,7 @@ use sinew_core::glam::Quat;
 use sinew_core::{JointKind, math};
 use sinew_firmware::controller::{Incomplete, Inputs, Report, Start};
 use sinew_firmware::node;
-use sinew_firmware::supervisor::{Command, FaultSet, Feed, Permission, Source};
+use sinew_firmware::supervisor::{Command, FaultSet, Feed, GuardSettings, Permission, Source};
 use sinew_servo_bus::dynamixel::table::address;
 use sinew_servo_bus::feetech::table::address::TORQUE_ENABLE as FEETECH_TORQUE_ENABLE;
 use sinew_servo_bus::{Effort, ServoBus as _};
@@ -176,11 +176,23 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         self.controller.measured()
     }
 
-    /// Current of a servo as it tells it, A; what it tells as load is a part of its stall current.
+    /// Current of a servo as it tells it, A. What it tells as load is a part of its stall current; of a servo by voltage
+    /// the part of its supply that it applies, from which its back-EMF is taken.
     pub fn current_a(&self, servo: usize) -> Option<f32> {
-        Some(match self.buses.feedback(servo)?.effort {
+        let read = self.buses.feedback(servo)?;
+        Some(match read.effort {
             Effort::Current(current_a) => current_a,
-            Effort::Load(share) => share * self.parts.setups[servo].stall_a,
+            Effort::Load(part) => {
+                let setup = &self.parts.setups[servo];
+                let guard =
+                    GuardSettings::of(&self.parts.board.servos()[servo].servo, &setup.drive);
+                let supply_v = self.buses.health(servo).and_then(|health| health.voltage_v);
+                match guard.winding_a(part, &read, supply_v) {
+                    Some(_) if !self.controller.permission().torque => 0.0,
+                    Some(current_a) => current_a,
+                    None => part * setup.stall_a,
+                }
+            }
         })
     }
 
