@@ -1,7 +1,15 @@
 //! Commands for a board, as a person calls them, at a simulated board on a pseudo-terminal.
 
 use std::io::{BufRead as _, BufReader};
+use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use sinew_board_client::{Line as _, SerialBoard};
+use sinew_servo_sim::port::Port;
 
 use crate::common::{command, path};
 
@@ -132,11 +140,9 @@ fn the_wrong_kind_of_port_and_a_second_program_are_refused_with_words() {
     assert!(second.contains("another program has it"), "{second}");
 }
 
-#[test]
-fn a_show_is_uploaded_once_played_and_unplugged() {
-    let folder = tempfile::tempdir().unwrap();
-    let [rig, map, show, port] =
-        ["arm.toml", "map.toml", "a.show", "board"].map(|name| path(folder.path(), name));
+/// A rig, and a show of it of a second.
+fn baked(folder: &Path) -> [String; 2] {
+    let [rig, map, show] = ["arm.toml", "map.toml", "a.show"].map(|name| path(folder, name));
     says(&["rig", "new", "--arm", "3", "-o", &rig], 0);
     let text = std::fs::read_to_string(&rig).unwrap();
     let joint = text.split("[[joint]]").nth(1).and_then(|joint| joint.split('"').nth(1)).unwrap();
@@ -147,6 +153,14 @@ fn a_show_is_uploaded_once_played_and_unplugged() {
     std::fs::write(&map, curve).unwrap();
     let bake = ["bake", "punches_01", "--rig", &rig, "--mapping", &map, "--fit", "--seconds", "1"];
     says(&[&bake[..], &["-o", &show]].concat(), 0);
+    [rig, show]
+}
+
+#[test]
+fn a_show_is_uploaded_once_played_and_unplugged() {
+    let folder = tempfile::tempdir().unwrap();
+    let [rig, show] = baked(folder.path());
+    let port = path(folder.path(), "board");
     let board = Served::start(&["board", "simulate", "--rig", &rig, "--pty", &port]);
     be_patient(&port);
     let play = ["play", &show, "--rig", &rig, "--target", &port];
@@ -162,6 +176,77 @@ fn a_show_is_uploaded_once_played_and_unplugged() {
     let rest = lines.collect::<Vec<_>>().join("\n");
     assert!(rest.contains("unplugged") && rest.contains("limp after 2 s"), "{rest}");
     assert_eq!(again.wait().unwrap().code(), Some(2));
+}
+
+/// A board behind a wire of which the way back can be cut.
+struct Wire {
+    is_dead: Arc<AtomicBool>,
+    is_over: Arc<AtomicBool>,
+    carries: Option<JoinHandle<()>>,
+}
+
+impl Wire {
+    fn to(board: &str, link: &str) -> Self {
+        let [is_dead, is_over] = [(); 2].map(|()| Arc::new(AtomicBool::new(false)));
+        let port = Port::open(link.as_ref(), 1_000_000).unwrap();
+        let mut line = SerialBoard::open(board.as_ref(), 1_000_000).unwrap();
+        let (dead, over) = (Arc::clone(&is_dead), Arc::clone(&is_over));
+        let carry = move || {
+            let mut bytes = [0; 4096];
+            while !over.load(Ordering::Relaxed) {
+                let count = port.read(&mut bytes).unwrap();
+                line.send(&bytes[..count]).unwrap();
+                let count = line.receive(&mut bytes, Duration::from_millis(1)).unwrap();
+                if !dead.load(Ordering::Relaxed) {
+                    port.write(&bytes[..count]).unwrap();
+                }
+            }
+        };
+        Self { is_dead, is_over, carries: Some(thread::spawn(carry)) }
+    }
+}
+
+impl Drop for Wire {
+    fn drop(&mut self) {
+        self.is_over.store(true, Ordering::Relaxed);
+        let _ = self.carries.take().map(JoinHandle::join);
+    }
+}
+
+/// The wire from the board dies while a program drives the rig: it ends, and the rig is lowered without anybody.
+#[test]
+fn a_program_that_hears_nothing_ends_and_its_rig_is_limp() {
+    let folder = tempfile::tempdir().unwrap();
+    let [rig, show] = baked(folder.path());
+    let [port, link, led] = ["board", "link", "led.show"].map(|name| path(folder.path(), name));
+    let _board = Served::start(&["board", "simulate", "--rig", &rig, "--pty", &port]);
+    let silence = ["--rig", &rig, "--target", &link, "--silence-s", "0.8"];
+    for (command, begins) in
+        [(&["play", &show][..], "playing"), (&["record", "--float", "-o", &led], "lead it")]
+    {
+        let wire = Wire::to(&port, &link);
+        let mut program = sinew(command).args(silence).stderr(Stdio::piped()).spawn().unwrap();
+        let mut lines =
+            BufReader::new(program.stderr.take().unwrap()).lines().map_while(Result::ok);
+        assert!(lines.any(|line| line.contains(begins)), "{command:?}");
+        wire.is_dead.store(true, Ordering::Relaxed);
+        let cut = Instant::now();
+        let rest = lines.collect::<Vec<_>>().join("\n");
+        assert_eq!(program.wait().unwrap().code(), Some(2), "{rest}");
+        let ended_s = cut.elapsed().as_secs_f64();
+        assert!(rest.contains("for 0.8 s") && rest.contains("wire"), "{rest}");
+        assert!((0.7..3.0).contains(&ended_s), "{ended_s}");
+        drop(wire);
+        // While torque is on, no other program gets a session.
+        let limp = || {
+            let look = ["board", "monitor", "--port", &port, "--samples", "1"];
+            let looked = sinew(&look).output().unwrap();
+            looked.status.success().then(|| text(&looked))
+        };
+        let state = (0..20).find_map(|_| limp()).unwrap();
+        assert!(state.contains("faulted") || state.contains("limp"), "{state}");
+        says(&["board", "faults", "--port", &port, "--clear"], 0);
+    }
 }
 
 #[test]
