@@ -34,7 +34,7 @@ const LOOK: Duration = Duration::from_millis(50);
 const SETTLE: Duration = Duration::from_millis(200);
 /// It stands when it moves by no more than a count for so long; it is waited for no longer than [`MOST_SETTLE`].
 const STANDS: Duration = Duration::from_millis(80);
-const MOST_SETTLE: Duration = Duration::from_secs(4);
+const MOST_SETTLE: Duration = Duration::from_secs(2);
 
 /// The taps as they were read.
 pub(super) struct Recorded {
@@ -427,15 +427,32 @@ fn back<E: Exchange>(
     Ok(reached)
 }
 
-/// Waits until it stands. Where its gear has much play it would swing round its goal for long: weak as it is then, its
-/// friction stops it.
+/// Waits until it stands. Where its gear has much play it would swing round its goal for long: weak as it is at first,
+/// its friction stops it. Where it carries much, that is too weak to hold it: then it has the torque to go back.
 fn settle<E: Exchange>(
     guard: &mut Guard<'_, E>,
     registers: &Registers,
     plan: &Plan,
 ) -> Result<(), ServiceError> {
     wait(guard, registers, SETTLE)?;
-    guard.change(&registers.limit, registers.part(plan.calm_part()))?;
+    for part in [plan.calm_part(), plan.back_part()] {
+        guard.change(&registers.limit, registers.part(part))?;
+        if stands(guard, registers)? {
+            return Ok(());
+        }
+    }
+    let what = format!(
+        "it does not come to rest within {} s after a tap: something moves it, or it swings round its goal",
+        2 * MOST_SETTLE.as_secs()
+    );
+    Err(ServiceError::State { id: guard.servo().id, what })
+}
+
+/// Waits until it stands, for a while; says whether it does.
+fn stands<E: Exchange>(
+    guard: &mut Guard<'_, E>,
+    registers: &Registers,
+) -> Result<bool, ServiceError> {
     let end = guard.client().now() + MOST_SETTLE;
     let mut ends = [position(guard, registers)?; 2];
     let mut since = guard.client().now();
@@ -448,12 +465,8 @@ fn settle<E: Exchange>(
             since = guard.client().now();
         }
         if guard.client().now() > end {
-            let what = format!(
-                "it does not come to rest within {} s after a tap: something moves it, or it swings round its goal",
-                MOST_SETTLE.as_secs()
-            );
-            return Err(ServiceError::State { id: guard.servo().id, what });
+            return Ok(false);
         }
     }
-    Ok(())
+    Ok(true)
 }
