@@ -225,8 +225,8 @@ impl<const N: usize, const FRAMES: usize> LiveBuffer<N, FRAMES> {
         Ok(())
     }
 
-    /// An empty place; or that of the frame whose neighbours are nearest to each other. The oldest, which is played, and
-    /// the newest stay. O(`FRAMES`), and O(`FRAMES`²) without an empty one.
+    /// Finds an empty place; or that of the frame whose neighbours are nearest to each other. The oldest, which is
+    /// played, and the newest stay. O(`FRAMES`), and O(`FRAMES`²) without an empty one.
     fn place(&self) -> usize {
         if let Some(empty) = self.frames.iter().position(Option::is_none) {
             return empty;

@@ -156,6 +156,20 @@ fn a_deaf_host_whose_rig_is_armed_uncleared_is_found() {
     assert_eq!(rule, "after a fault nothing is armed that was not cleared");
 }
 
+/// Nobody sees the rig, but somebody has it in hand.
+#[test]
+fn a_deaf_host_whose_rig_is_pulled_out_of_hands_is_found() {
+    let rule = mistake(|mode, event| {
+        let (mut next, answer) = mode.next(event);
+        let is_deaf = event.present == FaultSet::of(Fault::HostDeaf) && event.measured;
+        if mode.state == State::Floating && is_deaf && event.command.is_none() {
+            next.state = State::Stopping;
+        }
+        (next, answer)
+    });
+    assert_eq!(rule, "what is in somebody's hands goes nowhere by itself");
+}
+
 /// A mode is named by its state: what it follows fits.
 #[test]
 fn a_mode_that_stands_follows_nobody() {
