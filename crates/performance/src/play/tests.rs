@@ -148,7 +148,7 @@ fn a_servo_is_refused_where_its_kind_cannot_be() {
             .to_string()
     };
     let with_id = refused(|rig| rig.servos[1].address = Address::Id(3));
-    assert!(with_id.contains("`jaw` is a MG90S") && with_id.contains("found id 3"), "{with_id}");
+    assert!(with_id.contains("`jaw` is an MG90S") && with_id.contains("found id 3"), "{with_id}");
     let on_channel = refused(|rig| "XL330-M288-T".clone_into(&mut rig.servos[0].model));
     assert!(on_channel.contains("expected an `id`"), "{on_channel}");
     let mixed = refused(|rig| {
@@ -196,7 +196,7 @@ fn a_class_that_a_kind_does_not_have_is_refused() {
             panic!("{drive:?} is taken by servos on pulses")
         };
         let expected = format!(
-            "--drive {}: servo `neck_turn` is an MG996R, which takes pulses alone; leave `--drive` out",
+            "--drive {}: servo `neck_turn` is an MG90S, which takes pulses alone; leave `--drive` out",
             drive.name()
         );
         assert_eq!(error.to_string(), expected);

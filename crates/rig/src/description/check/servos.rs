@@ -84,19 +84,21 @@ fn check_address<'a>(
 
 pub(super) fn check_model(index: usize, model: &ServoModel) -> Result<(), DescriptionError> {
     let part = Part::of("servo_model", index, &model.name);
-    for (key, sourced) in model.clone().values_mut() {
-        let sign = if MAY_BE_ZERO.contains(&key) { Sign::NotNegative } else { Sign::Positive };
-        check_sourced(part, key, sourced, sign)?;
-    }
-    for (key, value, least) in [
-        ("resolution_rad", model.resolution_rad.value, "above 0"),
-        ("backlash_rad", model.backlash_rad.value, "from 0"),
-    ] {
-        if value > COARSEST_RAD {
+    let fine = [
+        ("resolution_rad", model.resolution_rad.value, "above 0", model.resolution_rad.value > 0.0),
+        ("backlash_rad", model.backlash_rad.value, "from 0", model.backlash_rad.value >= 0.0),
+    ];
+    for (key, value, least, is_right) in fine {
+        // NaN is neither.
+        if !is_right || value > COARSEST_RAD {
             let at = [Step::Key(key), Step::Key("value")];
             let expected = format!("a number {least}, at most {COARSEST_RAD} rad (5.7 deg)");
             return Err(part.refuse(&at, expected, shown(&at, value)));
         }
+    }
+    for (key, sourced) in model.clone().values_mut() {
+        let sign = if MAY_BE_ZERO.contains(&key) { Sign::NotNegative } else { Sign::Positive };
+        check_sourced(part, key, sourced, sign)?;
     }
     let stall_nm = model.stall_torque_nm.value;
     if model.friction_nm.value >= stall_nm {

@@ -268,7 +268,8 @@ fn a_kind_that_no_servo_can_be_is_refused() {
         &mut values.into_iter().find(|(of, _)| *of == key).unwrap().1.value
     }
     for (key, bad, words) in [
-        ("resolution_rad", 0.0, "above 0"),
+        ("resolution_rad", 0.0, "above 0, at most 0.1 rad (5.7 deg), found 0 rad"),
+        ("resolution_rad", f64::NAN, "above 0, at most 0.1 rad"),
         ("resolution_rad", 1.0, "above 0, at most 0.1 rad (5.7 deg), found 1 rad"),
         ("backlash_rad", 0.2, "from 0, at most 0.1 rad (5.7 deg), found 0.2 rad"),
         ("rotor_inertia_kg_m2", 0.0, "above 0, at most 1.0e6 kg m², found 0 kg m²"),
