@@ -32,8 +32,39 @@ impl ServoModel {
         toml::from_str(file).ok()
     }
 
+    /// Returns the name of a kind with its article: `an XL330-M288-T`, `a DS3218`.
+    pub fn with_article(name: &str) -> String {
+        let mut letters = name.chars();
+        let (first, second) = (letters.next().unwrap_or_default(), letters.next());
+        // Of an abbreviation each letter is spoken by its own name.
+        let is_spelt = second.is_none_or(|letter| !letter.is_lowercase());
+        let vowels = if is_spelt { "AEFHILMNORSX8" } else { "AEIO" };
+        let article = if vowels.contains(first.to_ascii_uppercase()) { "an" } else { "a" };
+        format!("{article} {name}")
+    }
+
     /// Names of the built-in kinds.
     pub fn built_in_names() -> impl ExactSizeIterator<Item = &'static str> {
         FILES.iter().map(|(name, _)| *name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn articles_are_those_of_speech() {
+        for (name, said) in [
+            ("STS3215-12V", "an STS3215-12V"),
+            ("XL330-M288-T", "an XL330-M288-T"),
+            ("MG90S", "an MG90S"),
+            ("DS3218", "a DS3218"),
+            ("Savox", "a Savox"),
+            ("Agile", "an Agile"),
+            ("", "a "),
+        ] {
+            assert_eq!(ServoModel::with_article(name), said);
+        }
     }
 }

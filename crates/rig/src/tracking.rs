@@ -30,14 +30,15 @@ pub struct ServoTracking {
 
 impl ServoTracking {
     /// Says whether the loop of its joint decays by itself, with the gear of its data and the greatest load: a tick of
-    /// `dt_s`, `latency_ticks` late, with a stiffness of `kp_per_s2`. A servo without a bandwidth has no such loop.
-    /// O(1).
+    /// `dt_s`, `latency_ticks` late, with a stiffness of `kp_per_s2`, where a winding damps by `braking_nm_s`. A servo
+    /// without a bandwidth has no such loop. O(1).
     pub fn decays(
         &self,
         model: &ServoModel,
         dt_s: f64,
         latency_ticks: usize,
         kp_per_s2: f64,
+        braking_nm_s: f64,
     ) -> bool {
         let Some(bandwidth) = self.bandwidth else { return true };
         let rotor_inertia = model.rotor_inertia_kg_m2.value;
@@ -46,7 +47,7 @@ impl ServoTracking {
             load_inertia: self.load_inertia_kg_m2.max(rotor_inertia),
             stiffness: model.gear_stiffness(),
             gear_damping: model.gear_damping(),
-            damping: model.damping_nm_s.value,
+            damping: model.damping_nm_s.value + braking_nm_s,
         };
         let control = ControlLoop {
             dt_s,

@@ -97,11 +97,12 @@ impl Variation {
     pub fn of(changes: &[Change]) -> Result<Self, ChangeError> {
         let mut variation = Self::default();
         for (index, change) in changes.iter().enumerate() {
-            if changes[..index].iter().any(|before| before.name == change.name) {
+            if let Some(before) = changes[..index].iter().find(|before| before.name == change.name)
+            {
                 return Err(ChangeError {
                     change: change.to_string(),
                     expected: format!("`{}` once", change.name),
-                    found: "it twice".to_owned(),
+                    found: format!("{before}, {change}"),
                 });
             }
             variation.take(*change);
@@ -270,6 +271,6 @@ mod tests {
         }
         let twice = ["play=2", "play=3"].map(|change| change.parse().unwrap());
         let message = Variation::of(&twice).unwrap_err().to_string();
-        assert!(message.contains("`play` once"), "{message}");
+        assert!(message.ends_with("expected `play` once, found `play=2, play=3`"), "{message}");
     }
 }

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use sinew_rig::description::ServoModel;
 use sinew_servo_bus::settings::{self, ServoRequirements};
 pub use sinew_servo_bus::settings::{Mode, Setting};
 
@@ -17,8 +18,8 @@ use crate::{ServiceError, Table};
 /// [`ServiceError::Rig`] if the servo cannot do what the rig or `mode` asks.
 pub fn desired(rig: &RigServo, table: &Table, mode: Mode) -> Result<Vec<Setting>, ServiceError> {
     if matches!(mode, Mode::CurrentPosition | Mode::Current) && !table.has_current() {
-        let model = table.model();
-        let what = format!("a {model} does not control current; it has position and pwm");
+        let model = ServoModel::with_article(table.model());
+        let what = format!("{model} does not control current; it has position and pwm");
         return Err(ServiceError::Rig { name: rig.name.clone(), what });
     }
     if let Some(range_rad) = rig.range_rad {

@@ -4,6 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
+use sinew_rig::description::ServoModel;
 use sinew_servo_bus::EncodeError;
 use sinew_servo_bus::dynamixel::ErrorCode;
 
@@ -109,7 +110,8 @@ pub enum ServiceError {
     Register(#[from] Registers),
     /// Another servo has the id.
     #[error(
-        "id {id} is taken: a {model} answers there; choose one that is free, or change that one first"
+        "id {id} is taken: {} answers there; choose one that is free, or change that one first",
+        ServoModel::with_article(model)
     )]
     IdTaken {
         /// The id.
@@ -121,7 +123,7 @@ pub enum ServiceError {
     #[error("no servo can have id {0}; expected one from 0 to 252")]
     BadId(u8),
     /// The servo has no such rate.
-    #[error("a {model} cannot do {baud} baud; expected one of: {known}")]
+    #[error("{} cannot do {baud} baud; expected one of: {known}", ServoModel::with_article(model))]
     NoBaud {
         /// Which model.
         model: String,
@@ -173,7 +175,8 @@ pub enum ServiceError {
     },
     /// Another model than the rig file says.
     #[error(
-        "{name} (id {id}) is a {has}; the rig file says {should}. Change the file, or the servo"
+        "{name} (id {id}) is {}; the rig file says {should}. Change the file, or the servo",
+        ServoModel::with_article(has)
     )]
     WrongModel {
         /// The rig's name for it.
@@ -200,7 +203,7 @@ pub enum ServiceError {
 #[non_exhaustive]
 pub enum Registers {
     /// No such name.
-    #[error("a {model} has no register {name:?}; {near}")]
+    #[error("{} has no register {name:?}; {near}", ServoModel::with_article(model))]
     Unknown {
         /// Which model.
         model: &'static str,

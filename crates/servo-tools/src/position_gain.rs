@@ -75,7 +75,10 @@ impl PositionGain {
         else {
             return match servo.p_gain {
                 None => Ok(None),
-                Some(_) => Err(refused(servo, format!("a {} has no known P gain", model.name))),
+                Some(_) => Err(refused(
+                    servo,
+                    format!("{} has no known P gain", ServoModel::with_article(&model.name)),
+                )),
             };
         };
         let known = model.position_gain_nm_rad.value;

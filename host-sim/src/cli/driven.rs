@@ -22,12 +22,17 @@ pub(super) struct DrivenArgs {
 
     /// Control rate in Hz. Default: 100 if all servos are in position mode; otherwise 500, or the highest rate that bus
     /// and board allow.
-    #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, value_name = "HZ", value_parser = rate_hz)]
     rate_hz: Option<u32>,
 
     /// Rate of all bus lines, in bit/s. Default: 4000000, on a board 3000000; for Feetech servos 1000000.
     #[arg(long, value_name = "RATE")]
     baud: Option<u32>,
+}
+
+fn rate_hz(text: &str) -> Result<u32, String> {
+    let rate_hz = text.trim().parse().ok().filter(|hz| (1..=10_000).contains(hz));
+    rate_hz.ok_or_else(|| "expected a whole number from 1 to 10000".to_owned())
 }
 
 impl DrivenArgs {

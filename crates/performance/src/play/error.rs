@@ -2,6 +2,8 @@
 
 use sinew_firmware::controller::ControllerError;
 use sinew_rig::board::BakeError;
+use sinew_rig::description::ServoModel;
+use sinew_rig::review::shown;
 use sinew_rig::tracking::TrackingError;
 use sinew_servo_sim::device::ServoError;
 use sinew_servo_sim::rig::RigServosError;
@@ -29,8 +31,10 @@ pub enum PartsError {
     Gain(#[from] sinew_servo_tools::ServiceError),
     /// A joint shakes by itself: its observer, which is as slow as the rule makes it, is too fast for the gear.
     #[error(
-        "servo `{servo}` would shake its joint: an observer of {bandwidth_rad_s:.0} rad/s at {rate_hz} Hz is too fast \
-         for its gear; `sinew rig check` tells what the joint bears, or drive it by position"
+        "servo `{servo}` would shake its joint: an observer of {} rad/s at {rate_hz} Hz is too fast for its gear; take a \
+         stiffer gear, less load, or `--drive {}` (`sinew rig check` has the loops)",
+        shown((*bandwidth_rad_s).into(), 0),
+        if *voltage_bears { "voltage" } else { "position" }
     )]
     Shakes {
         /// The servo.
@@ -39,6 +43,8 @@ pub enum PartsError {
         bandwidth_rad_s: f32,
         /// Ticks a second.
         rate_hz: u32,
+        /// Whether it would not, by voltage.
+        voltage_bears: bool,
     },
     /// It travels.
     #[error("the rig's base is not held: no servo moves it; `--base stand` bolts it to a stand")]
@@ -47,7 +53,10 @@ pub enum PartsError {
     #[error("the rig has no servos")]
     NoServos,
     /// A servo is where its kind cannot be.
-    #[error("servo `{servo}` is a {model}: expected {expected}, found {found}")]
+    #[error(
+        "servo `{servo}` is {}: expected {expected}, found {found}",
+        ServoModel::with_article(model)
+    )]
     Address {
         /// The servo.
         servo: String,
@@ -83,8 +92,10 @@ pub enum PartsError {
     },
     /// A kind of servo cannot be driven so.
     #[error(
-        "--drive {0}: servo `{servo}` is a {model}, which has no {0} mode; choose position",
-        drive.name()
+        "--drive {0}: servo `{servo}` is {1}, which {2}",
+        drive.name(),
+        ServoModel::with_article(model),
+        instead(*drive, takes)
     )]
     NotSo {
         /// The drive that was asked for.
@@ -93,6 +104,8 @@ pub enum PartsError {
         servo: String,
         /// Its kind.
         model: String,
+        /// How it can be driven.
+        takes: Vec<Drive>,
     },
     /// A line cannot have this rate.
     #[error("--baud {baud}: bus {bus:?} can have {known}")]
@@ -115,6 +128,15 @@ pub enum PartsError {
         /// Why.
         reason: sinew_servo_bus::SetupError,
     },
+}
+
+/// Says what a servo lacks that cannot be driven as asked, and what it takes.
+fn instead(asked: Drive, takes: &[Drive]) -> String {
+    if takes.contains(&Drive::Pulses) {
+        return "takes pulses alone; leave `--drive` out".to_owned();
+    }
+    let takes: Vec<&str> = takes.iter().map(|drive| drive.name()).collect();
+    format!("has no {} mode; choose {}", asked.name(), takes.join(" or "))
 }
 
 /// An error of a rig that cannot be simulated.

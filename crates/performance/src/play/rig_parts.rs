@@ -250,13 +250,21 @@ fn refuse_shaking(
     let kp_per_s2 = f64::from(tracker.kp);
     for ((part, gear), servo) in parts.iter().zip(gears).zip(&rig.servos) {
         let model = rig.servo_model(&servo.model).unwrap_or_default();
-        if let Some(bandwidth) = gear.bandwidth
-            && part.drive.closes_loop()
-            && !gear.decays(&model, dt_s, latency_ticks, kp_per_s2)
-        {
-            let (servo, bandwidth_rad_s) = (servo.name.clone(), bandwidth.rad_s);
-            let rate_hz = 1_000_000 / schedule.tick_us();
-            return Err(PartsError::Shakes { servo, bandwidth_rad_s, rate_hz });
+        let decays =
+            |braking_nm_s| gear.decays(&model, dt_s, latency_ticks, kp_per_s2, braking_nm_s);
+        let by_voltage = || decays(model.winding_damping());
+        let is_calm = match part.drive {
+            Drive::Current => decays(0.0),
+            Drive::Voltage => by_voltage(),
+            Drive::Position | Drive::Pulses => true,
+        };
+        if let Some(bandwidth) = gear.bandwidth.filter(|_| !is_calm) {
+            return Err(PartsError::Shakes {
+                servo: servo.name.clone(),
+                bandwidth_rad_s: bandwidth.rad_s,
+                rate_hz: 1_000_000 / schedule.tick_us(),
+                voltage_bears: part.drive == Drive::Current && by_voltage(),
+            });
         }
     }
     Ok(())

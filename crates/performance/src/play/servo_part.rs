@@ -37,6 +37,9 @@ pub enum Drive {
 }
 
 impl Drive {
+    /// All, in the order of tables.
+    pub const ALL: [Self; 4] = [Self::Current, Self::Voltage, Self::Position, Self::Pulses];
+
     /// As tables name it.
     pub fn name(self) -> &'static str {
         match self {
@@ -129,12 +132,15 @@ pub(super) fn drives(
     asked: Option<Drive>,
 ) -> Result<Vec<Drive>, PartsError> {
     let can = |servo: &RigServo, drive| takes(drive, &servo.kind.name);
-    if let Some(drive) = asked.filter(|drive| drive.closes_loop())
-        && let Some(servo) =
-            servos.iter().find(|servo| table(servo).is_some() && !can(servo, drive))
+    // Beside servos on a bus, those that take pulses go on taking them.
+    let all_pulses = servos.iter().all(|servo| table(servo).is_none());
+    let is_asked = |servo: &&RigServo| all_pulses || table(servo).is_some();
+    if let Some(drive) = asked
+        && let Some(servo) = servos.iter().filter(is_asked).find(|servo| !can(servo, drive))
     {
+        let takes = Drive::ALL.into_iter().filter(|drive| can(servo, *drive)).collect();
         let (servo, model) = (servo.name.clone(), servo.kind.name.clone());
-        return Err(PartsError::NotSo { drive, servo, model });
+        return Err(PartsError::NotSo { drive, servo, model, takes });
     }
     let of = |servo: &RigServo| {
         asked.filter(|drive| can(servo, *drive)).unwrap_or_else(|| usual(&servo.kind.name))

@@ -32,8 +32,8 @@ impl FromStr for ServoChoice {
         match Kind::named(kind.trim()).map_err(|error| error.to_string())? {
             Kind::Servo(kind) => Ok(Self { joint, model: kind.name }),
             Kind::Registers(table) => Err(format!(
-                "nobody has measured the motor of a {}: it cannot be played on; expected another kind, such as xm430",
-                table.name()
+                "nobody has measured the motor of {}: it cannot be played on; expected another kind, such as xm430",
+                ServoModel::with_article(table.name())
             )),
         }
     }

@@ -138,6 +138,11 @@ impl Tally {
         let faults = raised.minus(FaultSet::WARNINGS).iter();
         let faults: Vec<String> = faults.map(|fault| fault.to_string()).collect();
         let faults = if faults.is_empty() { "none".to_owned() } else { faults.join(", ") };
+        let found = match raised.and(FaultSet::WARNINGS).iter().count() {
+            0 => String::new(),
+            1 => ", 1 warning".to_owned(),
+            count => format!(", {count} warnings"),
+        };
         let warnings = self.warnings(parts);
         let wires = sim.wires();
         let (incomplete, why) = sim.incomplete();
@@ -148,8 +153,8 @@ impl Tally {
             ""
         };
         format!(
-            "Following error while the show ran, {:.2} s; angles in deg, ways in mm.\n{pulses}{by_drive}\n{by_joint}\n\
-             faults: {faults}\n{warnings}ticks: {} of {:.2} ms, {} overruns, {incomplete} not whole{why}\n\
+            "Following error while the show ran, {:.2} s; angles in deg, ways in mm, `at s` from its start.\n{pulses}{by_drive}\n{by_joint}\n\
+             faults: {faults}{found}\n{warnings}ticks: {} of {:.2} ms, {} overruns, {incomplete} not whole{why}\n\
              wire: {} bytes sent, {} answered, hash {:016x}\n",
             self.ticks as f64 / f64::from(parts.rate_hz),
             sim.ticks(),
@@ -175,8 +180,8 @@ impl Tally {
     fn by_drive(&self, parts: &RigParts) -> String {
         let header = ["drive", "method", "joints", "mean", "largest", "of joint", "at s"];
         let mut table = table(header, 2..header.len());
-        let known = [Drive::Current, Drive::Voltage, Drive::Position, Drive::Pulses];
-        let all = known.iter().copied().map(Some).chain([None]);
+        let known = Drive::ALL;
+        let all = known.into_iter().map(Some).chain([None]);
         let found: Vec<_> = all.map(|drive| (drive, self.errors(parts, drive))).collect();
         let is_mixed =
             found[..known.len()].iter().filter(|(_, errors)| errors.is_some()).count() > 1;

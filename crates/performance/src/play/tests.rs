@@ -148,7 +148,7 @@ fn a_servo_is_refused_where_its_kind_cannot_be() {
             .to_string()
     };
     let with_id = refused(|rig| rig.servos[1].address = Address::Id(3));
-    assert!(with_id.contains("`jaw` is a MG90S") && with_id.contains("found id 3"), "{with_id}");
+    assert!(with_id.contains("`jaw` is an MG90S") && with_id.contains("found id 3"), "{with_id}");
     let on_channel = refused(|rig| "XL330-M288-T".clone_into(&mut rig.servos[0].model));
     assert!(on_channel.contains("expected an `id`"), "{on_channel}");
     let mixed = refused(|rig| {
@@ -179,14 +179,27 @@ fn a_class_that_a_kind_does_not_have_is_refused() {
     };
     assert_eq!(
         refused("STS3215-7.4V", Drive::Voltage).unwrap_err(),
-        "--drive voltage: servo `turn1` is a STS3215-7.4V, which has no voltage mode; choose position"
+        "--drive voltage: servo `turn1` is an STS3215-7.4V, which has no voltage mode; choose position"
     );
     assert_eq!(
         refused("XL430-W250-T", Drive::Current).unwrap_err(),
-        "--drive current: servo `turn1` is a XL430-W250-T, which has no current mode; choose position"
+        "--drive current: servo `turn1` is an XL430-W250-T, which has no current mode; choose voltage or \
+         position"
     );
     for model in ["XL330-M288-T", "XL430-W250-T", "MX-28"] {
         assert_eq!(refused(model, Drive::Voltage).unwrap(), [Some(Drive::Voltage); 2]);
+    }
+    let rig = face();
+    for drive in [Drive::Current, Drive::Voltage, Drive::Position] {
+        let options = Options { drive: Some(drive), ..Options::default() };
+        let Err(error) = RigParts::new(&rig, &rig.mechanism().unwrap(), options) else {
+            panic!("{drive:?} is taken by servos on pulses")
+        };
+        let expected = format!(
+            "--drive {}: servo `neck_turn` is an MG90S, which takes pulses alone; leave `--drive` out",
+            drive.name()
+        );
+        assert_eq!(error.to_string(), expected);
     }
 }
 
@@ -222,6 +235,9 @@ fn a_rig_whose_joint_would_shake_by_itself_is_refused() {
     };
     let refused = parts(Drive::Current).err().unwrap().to_string();
     assert!(refused.contains(&format!("servo `{}` would shake", rig.servos[0].name)), "{refused}");
+    // The winding damps it.
+    assert!(refused.contains("a stiffer gear, less load, or `--drive voltage`"), "{refused}");
+    assert!(parts(Drive::Voltage).is_ok());
     assert!(parts(Drive::Position).is_ok());
 }
 
@@ -264,7 +280,7 @@ fn a_rig_that_swings_says_so_and_ends_well() {
     let (raised, mean_rad, table) = stands(800.0, Some(FAST_RAD_S), 1.0);
     assert_eq!(raised, FaultSet::WARNINGS);
     assert!(
-        table.contains("faults: none\nwarning 64 (swing): bend2, bend3, bend5, bend6\n"),
+        table.contains("faults: none, 1 warning\nwarning 64 (swing): bend2, bend3, bend5, bend6\n"),
         "{table}"
     );
     let of_joint = |name: &str| {

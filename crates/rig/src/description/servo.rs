@@ -129,6 +129,13 @@ impl ServoModel {
         )
     }
 
+    /// Returns what the winding damps the rotor by where the servo is driven by voltage, N m s: torque constant times
+    /// back-EMF, which is the same number, over the resistance.
+    pub fn winding_damping(&self) -> f64 {
+        let resistance_ohm = self.voltage_v.value / self.stall_current_a.value;
+        self.torque_constant_nm_a.value * self.torque_constant_nm_a.value / resistance_ohm
+    }
+
     /// Returns the part of the Coulomb friction that is at the output shaft, after the gear; the rest is at the rotor.
     /// Without a value of its own it is 0.3.
     pub fn output_friction_share(&self) -> f64 {

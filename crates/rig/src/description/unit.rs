@@ -3,7 +3,7 @@
 use super::error::Step;
 
 /// Ends of keys, the longer first, and how people write the unit.
-const UNITS: [(&str, &str); 15] = [
+const UNITS: [(&str, &str); 20] = [
     // Pairs of both.
     ("_deg_m", ""),
     ("_kg_m2", "kg m²"),
@@ -14,12 +14,17 @@ const UNITS: [(&str, &str); 15] = [
     ("_m_s", "m/s"),
     ("_nm_rad", "N m/rad"),
     ("_nm_s", "N m s"),
+    ("_nm_a", "N m/A"),
+    ("_rad_s", "rad/s"),
+    ("_rad", "rad"),
+    ("_k_w", "K/W"),
     ("_kg", "kg"),
     ("_nm", "N m"),
     ("_v", "V"),
     ("_a", "A"),
     ("_s", "s"),
     ("_m", "m"),
+    ("_c", "°C"),
 ];
 
 /// The unit of a key's values, if its name ends with one.

@@ -1,6 +1,7 @@
 //! What is wrong or doubtful of a rig, in words.
 
 use super::results::{DofReview, Finding, LoopReview, Review, Severity, Voltage};
+use crate::description::ServoModel;
 use crate::mechanism::{GRAVITY_M_S2, JointModel, Mechanism};
 
 /// A torque so many times what would lift the whole rig at its full reach is no limit: a placeholder of the file.
@@ -139,23 +140,41 @@ fn of_loop(dof: &DofReview) -> Option<(Severity, String)> {
     let control = dof.control.as_ref()?;
     let LoopReview { resonance_hz, bandwidth_rad_s, bearable_rad_s, .. } = *control;
     let bearable_rad_s = bearable_rad_s?;
-    let help = if bearable_rad_s > 0.0 {
-        format!("take at most {bearable_rad_s:.0} rad/s, a stiffer gear, or drive it by position")
+    let bears = if bearable_rad_s > 0.0 {
+        format!("it bears {} rad/s", shown(bearable_rad_s, 0))
     } else {
-        "no bandwidth helps: take a stiffer gear, or drive it by position".to_owned()
+        "it bears none".to_owned()
     };
-    let observer = format!("an observer of {bandwidth_rad_s:.0} rad/s");
+    let observer = format!("an observer of {} rad/s", shown(bandwidth_rad_s, 0));
+    let help = match (control.light_bears, control.voltage_bears) {
+        (true, true) => "a stiffer gear, less load, or `--drive voltage`",
+        (true, false) => "a stiffer gear, or less load",
+        (false, true) => "a stiffer gear, or `--drive voltage`",
+        (false, false) => "a stiffer gear",
+    };
     Some(if control.nominal.margins.is_none() {
+        let hz = shown(resonance_hz, 1);
         let shakes = format!(
-            "by current it shakes: {observer} is too fast for its gear, which swings at {resonance_hz:.1} Hz; {help}"
+            "by current it shakes: {observer} is too fast for its gear, which swings at {hz} Hz ({bears}); take {help}"
         );
         (Severity::Fault, shakes)
     } else {
         let shakes = format!(
-            "with half its gear's stiffness and twice its play it would shake by {observer}; {help}"
+            "by current it would shake with half its gear's stiffness and twice its play, by {observer} ({bears}); \
+             take {help}"
         );
         (Severity::Warning, shakes)
     })
+}
+
+/// Returns a number of a joint's loop with so many decimals; one that they do not show, with its power of ten.
+pub fn shown(number: f64, decimals: usize) -> String {
+    let step = libm::pow(0.1, decimals as f64);
+    if number > 0.0 && number < step {
+        format!("{number:.1e}")
+    } else {
+        format!("{number:.decimals$}")
+    }
 }
 
 fn of_bodies(mechanism: &Mechanism, add: &mut impl FnMut(Severity, String, String)) {
@@ -228,14 +247,14 @@ fn of_friction(mechanism: &Mechanism, add: &mut impl FnMut(Severity, String, Str
 fn of_voltages(voltages: &[Voltage], add: &mut impl FnMut(Severity, String, String)) {
     for Voltage { servos, model, supply_v, model_v } in voltages {
         let about = || format!("servos {}", servos.join(", "));
-        let share = supply_v / model_v;
+        let (share, kind) = (supply_v / model_v, ServoModel::with_article(model));
         if share > HIGHEST_VOLTAGE {
             let text =
-                format!("{supply_v} V would damage a {model}, whose values are for {model_v} V");
+                format!("{supply_v} V would damage {kind}, whose values are for {model_v} V");
             add(Severity::Fault, about(), text);
         } else if share < LOWEST_VOLTAGE {
             let text = format!(
-                "values of a {model} are for {model_v} V: at {supply_v} V it has some {:.0} % of the torque and speed in the table",
+                "values of {kind} are for {model_v} V: at {supply_v} V it has some {:.0} % of the torque and speed in the table",
                 100.0 * share
             );
             add(Severity::Warning, about(), text);

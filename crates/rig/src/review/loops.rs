@@ -42,25 +42,33 @@ pub(super) fn review(by_dof: &mut [DofReview], inertias: &[[f64; 2]], control: L
             kp_per_s2: f64::from(Settings::<usize>::default().kp),
             torque_share: 1.0,
         };
-        dof.control = Some(of_joint(joints, gear.play, control));
+        dof.control = Some(of_joint(joints, gear, control));
     }
 }
 
-fn of_joint(joints: [FlexibleJoint; 2], play: f64, control: ControlLoop) -> LoopReview {
-    let worst = joints.map(|joint| with_worst_gear(joint, play));
+fn of_joint(joints: [FlexibleJoint; 2], gear: SoftGear, control: ControlLoop) -> LoopReview {
+    let worst = joints.map(|joint| with_worst_gear(joint, gear.play));
     let stability = |joints: &[FlexibleJoint; 2]| {
         let [light, heavy] = joints.each_ref().map(|joint| control.stability(joint));
         light.least(heavy)
     };
     let [of_nominal, of_worst] = [&joints, &worst].map(stability);
     let grows = of_nominal.margins.is_none() || of_worst.margins.is_none();
+    let braked = |joint: &FlexibleJoint| FlexibleJoint {
+        damping: joint.damping + gear.winding_damping,
+        ..*joint
+    };
+    let all = [joints, worst].concat();
+    let decays = |joint: &FlexibleJoint| control.growth_per_s(joint) < 0.0;
     LoopReview {
         resonance_hz: joints[0].resonance_rad_s() / std::f64::consts::TAU,
         load_inertia: joints.map(|joint| joint.load_inertia),
         bandwidth_rad_s: control.bandwidth_rad_s,
         nominal: of_nominal,
         worst: of_worst,
-        bearable_rad_s: grows.then(|| bearable_rad_s(&[joints, worst].concat(), control)),
+        bearable_rad_s: grows.then(|| bearable_rad_s(&all, control)),
+        light_bears: [&joints[0], &worst[0]].into_iter().all(decays),
+        voltage_bears: all.iter().map(braked).all(|joint| decays(&joint)),
     }
 }
 

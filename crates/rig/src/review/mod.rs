@@ -22,7 +22,7 @@ use sinew_core::{JointStates, TreeError};
 use crate::mechanism::{BODY_COUNT_MAX, JointModel, Link, Mechanism};
 use crate::number::single;
 
-pub use finding::KG_M2_PER_G_MM2;
+pub use finding::{KG_M2_PER_G_MM2, shown};
 pub use flexible_joint::{ControlLoop, FlexibleJoint, Margins, Stability};
 pub use gain::largest_stable_angle;
 pub use gravity::{WorstLoad, holding_effort, worst_load};

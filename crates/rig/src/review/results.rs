@@ -49,6 +49,8 @@ pub struct SoftGear {
     pub gear_damping: f64,
     /// Viscous friction of the rotors, N m s or N s/m.
     pub damping: f64,
+    /// Damping by the windings where servos are driven by voltage, N m s or N s/m.
+    pub winding_damping: f64,
     /// Play from end to end, rad or m.
     pub play: f64,
 }
@@ -108,6 +110,10 @@ pub struct LoopReview {
     /// observer is less.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bearable_rad_s: Option<f64>,
+    /// Whether the lightest load alone is stable, with either gear: then less load helps.
+    pub light_bears: bool,
+    /// Whether all of it is stable by voltage, where the winding damps.
+    pub voltage_bears: bool,
 }
 
 /// Current of all servos together.

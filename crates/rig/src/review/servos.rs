@@ -155,6 +155,7 @@ impl Shaft {
                 stiffness: gear * gear * model.gear_stiffness(),
                 gear_damping: gear * gear * model.gear_damping(),
                 damping: gear * gear * model.damping_nm_s.value,
+                winding_damping: gear * gear * model.winding_damping(),
                 play: 2.0 * model.half_play_rad() / gear,
             },
             guessed: used.iter().any(|value| value.is_guess()),
@@ -173,6 +174,7 @@ fn gears(pose: &DrivePose<'_>, servos: &[Shaft]) -> Result<Vec<SoftGear>, DriveI
     let stiffness = reflected(|gear| gear.stiffness)?;
     let gear_damping = reflected(|gear| gear.gear_damping)?;
     let damping = reflected(|gear| gear.damping)?;
+    let winding_damping = reflected(|gear| gear.winding_damping)?;
     let mut play = vec![0.0; pose.joints().len()];
     for (index, servo) in servos.iter().enumerate() {
         let moved = pose.joint_velocities(&unit(servos.len(), index))?;
@@ -180,13 +182,18 @@ fn gears(pose: &DrivePose<'_>, servos: &[Shaft]) -> Result<Vec<SoftGear>, DriveI
             *play += servo.gear.play * f64::from(moved.abs());
         }
     }
-    let each = rotor_inertia.iter().zip(&stiffness).zip(gear_damping.iter().zip(&damping));
-    let gear = |(((rotor, stiffness), (gear_damping, damping)), play)| {
-        let [rotor_inertia, stiffness, gear_damping, damping] =
-            [rotor, stiffness, gear_damping, damping].map(|number: &f32| f64::from(*number));
-        SoftGear { rotor_inertia, stiffness, gear_damping, damping, play }
+    let gear = |(dof, play): (usize, f64)| {
+        let of = |all: &[f32]| all.get(dof).copied().map_or(0.0, f64::from);
+        SoftGear {
+            rotor_inertia: of(&rotor_inertia),
+            stiffness: of(&stiffness),
+            gear_damping: of(&gear_damping),
+            damping: of(&damping),
+            winding_damping: of(&winding_damping),
+            play,
+        }
     };
-    Ok(each.zip(play).map(gear).collect())
+    Ok(play.into_iter().enumerate().map(gear).collect())
 }
 
 /// Takes what is least, or worst, at one pose.

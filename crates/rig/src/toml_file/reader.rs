@@ -8,7 +8,7 @@ use toml::de::{DeTable, DeValue};
 use super::error::UnlocatedError;
 use super::item::Item;
 use super::value::Value;
-use super::visitor::Visitor;
+use super::visitor::{KEYS, Visitor};
 use crate::description::is_angle;
 use crate::nearest::nearest;
 
@@ -77,11 +77,12 @@ impl<'t> Reader<'t> {
     /// Reads a table below this one.
     fn descend<T>(
         item: &Item<'t>,
+        form: &str,
         field: &mut T,
         keys: impl FnOnce(&mut T, &mut Self) -> Result<(), UnlocatedError>,
     ) -> Result<(), UnlocatedError> {
         let DeValue::Table(table) = item.value() else {
-            return Err(item.wrong("a table of keys"));
+            return Err(item.wrong(form));
         };
         Self::read(table, item.span(), item.path().to_owned(), |reader| keys(field, reader))
     }
@@ -118,12 +119,13 @@ impl Visitor for Reader<'_> {
     fn inline<T>(
         &mut self,
         key: &'static str,
+        form: &'static str,
         field: &mut T,
         keys: impl FnOnce(&mut T, &mut Self) -> Result<(), UnlocatedError>,
     ) -> Result<(), UnlocatedError> {
         match self.find(key) {
-            Some(item) => Self::descend(&item, field, keys)?,
-            None => self.is_missing(key, "a table of keys"),
+            Some(item) => Self::descend(&item, form, field, keys)?,
+            None => self.is_missing(key, form),
         }
         Ok(())
     }
@@ -131,13 +133,14 @@ impl Visitor for Reader<'_> {
     fn optional_inline<T: Default>(
         &mut self,
         key: &'static str,
+        form: &'static str,
         field: &mut Option<T>,
         keys: impl FnOnce(&mut T, &mut Self) -> Result<(), UnlocatedError>,
     ) -> Result<(), UnlocatedError> {
         *field = match self.find(key) {
             Some(item) => {
                 let mut value = T::default();
-                Self::descend(&item, &mut value, keys)?;
+                Self::descend(&item, form, &mut value, keys)?;
                 Some(value)
             }
             None => None,
@@ -151,7 +154,7 @@ impl Visitor for Reader<'_> {
         field: &mut Option<T>,
         keys: impl FnOnce(&mut T, &mut Self) -> Result<(), UnlocatedError>,
     ) -> Result<(), UnlocatedError> {
-        self.optional_inline(key, field, keys)
+        self.optional_inline(key, KEYS, field, keys)
     }
 
     fn sections<T: Default>(
@@ -164,7 +167,7 @@ impl Visitor for Reader<'_> {
         let Some(item) = self.find(key) else { return Ok(()) };
         for element in item.elements(&format!("tables that begin with [[{key}]]"))? {
             let mut field = T::default();
-            Self::descend(&element, &mut field, &mut keys)?;
+            Self::descend(&element, KEYS, &mut field, &mut keys)?;
             fields.push(field);
         }
         Ok(())

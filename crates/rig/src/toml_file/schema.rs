@@ -1,11 +1,14 @@
 //! The tables of the file and their keys, in the order in which they are written: a function for each table.
 
 use super::value::Ranges;
-use super::visitor::Visitor;
+use super::visitor::{KEYS, Visitor};
 use crate::description::{
     Address, Body, Description, Drive, DriveKind, InertiaMatrix, Joint, LinkedLimit, Mount, Servo,
     ServoModel, SourcedValue, Supply, UnitKeys, is_angle,
 };
+
+/// A value with its source, as a file has it.
+const SOURCED: &str = "{ value = .., source = \"who states it\" }";
 
 pub(super) fn description<V: Visitor>(rig: &mut Description, v: &mut V) -> Result<(), V::Error> {
     v.required("name", &mut rig.name)?;
@@ -39,7 +42,12 @@ fn body<V: Visitor>(body: &mut Body, v: &mut V) -> Result<(), V::Error> {
     v.optional("mass_kg", &mut body.mass_kg, 0.0)?;
     v.optional("center_of_mass_m", &mut body.center_of_mass_m, [0.0; 3])?;
     v.optional("box_m", &mut body.box_m, None)?;
-    v.optional_inline("inertia_kg_m2", &mut body.inertia_kg_m2, inertia)
+    v.optional_inline(
+        "inertia_kg_m2",
+        "{ xx = .., yy = .., zz = .. }",
+        &mut body.inertia_kg_m2,
+        inertia,
+    )
 }
 
 fn inertia<V: Visitor>(inertia: &mut InertiaMatrix, v: &mut V) -> Result<(), V::Error> {
@@ -113,10 +121,15 @@ fn drive<V: Visitor>(drive: &mut Drive, joints: &[Joint], v: &mut V) -> Result<(
                 DriveKind::Matrix { rows, offset } => (rows.clone(), offset.clone()),
                 _ => Default::default(),
             };
-            v.inline("matrix", &mut (&mut rows, &mut offset), |(rows, offset), v| {
-                v.required("rows", *rows)?;
-                v.optional(keys.offset, *offset, Vec::new())
-            })?;
+            v.inline(
+                "matrix",
+                "{ rows = [[..], ..] }",
+                &mut (&mut rows, &mut offset),
+                |(rows, offset), v| {
+                    v.required("rows", *rows)?;
+                    v.optional(keys.offset, *offset, Vec::new())
+                },
+            )?;
             drive.kind = DriveKind::Matrix { rows, offset };
         }
         Some("curve") => {
@@ -124,7 +137,7 @@ fn drive<V: Visitor>(drive: &mut Drive, joints: &[Joint], v: &mut V) -> Result<(
                 DriveKind::Curve { points } => points.clone(),
                 _ => Vec::new(),
             };
-            v.inline("curve", &mut points, |points, v| curve_points(points, keys.points, v))?;
+            v.inline("curve", KEYS, &mut points, |points, v| curve_points(points, keys.points, v))?;
             drive.kind = DriveKind::Curve { points };
         }
         Some("four_bar") => {
@@ -140,7 +153,7 @@ fn drive<V: Visitor>(drive: &mut Drive, joints: &[Joint], v: &mut V) -> Result<(
                     crossed: false,
                 },
             };
-            v.inline("four_bar", &mut bars, four_bar)?;
+            v.inline("four_bar", KEYS, &mut bars, four_bar)?;
             drive.kind = bars;
         }
         _ => drive.kind = one_to_one,
@@ -217,10 +230,10 @@ fn servo<V: Visitor>(servo: &mut Servo, v: &mut V) -> Result<(), V::Error> {
 fn servo_model<V: Visitor>(model: &mut ServoModel, v: &mut V) -> Result<(), V::Error> {
     v.required("name", &mut model.name)?;
     for (key, value) in model.values_mut() {
-        v.inline(key, value, sourced)?;
+        v.inline(key, SOURCED, value, sourced)?;
     }
     for (key, value) in model.optional_values_mut() {
-        v.optional_inline(key, value, sourced)?;
+        v.optional_inline(key, SOURCED, value, sourced)?;
     }
     Ok(())
 }

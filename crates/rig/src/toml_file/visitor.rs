@@ -2,6 +2,9 @@
 
 use super::value::Value;
 
+/// The form of a table that says nothing of its keys.
+pub(super) const KEYS: &str = "a table of keys";
+
 /// Goes over the keys of one table. The schema calls it with each key and the field that the key is for.
 pub(super) trait Visitor: Sized {
     type Error;
@@ -17,10 +20,12 @@ pub(super) trait Visitor: Sized {
         default: T,
     ) -> Result<(), Self::Error>;
 
-    /// A table on one line, which must be there: `key = { ... }`.
+    /// A table on one line, which must be there: `key = { ... }`. `form`: what such a table is, for who wrote another
+    /// value.
     fn inline<T>(
         &mut self,
         key: &'static str,
+        form: &'static str,
         field: &mut T,
         keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Self::Error>,
     ) -> Result<(), Self::Error>;
@@ -29,6 +34,7 @@ pub(super) trait Visitor: Sized {
     fn optional_inline<T: Default>(
         &mut self,
         key: &'static str,
+        form: &'static str,
         field: &mut Option<T>,
         keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Self::Error>,
     ) -> Result<(), Self::Error>;

@@ -64,6 +64,7 @@ impl Visitor for Writer {
     fn inline<T>(
         &mut self,
         key: &'static str,
+        _: &'static str,
         field: &mut T,
         keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Infallible>,
     ) -> Result<(), Infallible> {
@@ -75,10 +76,11 @@ impl Visitor for Writer {
     fn optional_inline<T: Default>(
         &mut self,
         key: &'static str,
+        form: &'static str,
         field: &mut Option<T>,
         keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Infallible>,
     ) -> Result<(), Infallible> {
-        field.as_mut().map_or(Ok(()), |field| self.inline(key, field, keys))
+        field.as_mut().map_or(Ok(()), |field| self.inline(key, form, field, keys))
     }
 
     fn section<T: Default>(

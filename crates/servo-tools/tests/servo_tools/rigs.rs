@@ -213,7 +213,7 @@ fn what_a_rig_cannot_ask_of_its_servo_is_refused() {
     let wrong = other.open(&mut client).unwrap_err().to_string();
     assert_eq!(
         wrong,
-        "elbow (id 1) is a XL430-W250; the rig file says XL330-M288-T. Change the file, or the servo"
+        "elbow (id 1) is an XL430-W250; the rig file says XL330-M288-T. Change the file, or the servo"
     );
     let channel = text("MG90S").replace("id = 1", "channel = 1");
     let none =

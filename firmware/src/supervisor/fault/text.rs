@@ -70,7 +70,9 @@ impl Fault {
             Self::ServoStopped => "look at the bus and its cable; keep the record",
             Self::TorqueStuck => "cut its supply; restart the servo, or replace it",
             Self::HostDeaf => "look at the wire from board to host; look at the host",
-            Self::Swing => "tighten its horn and links; lighten what it moves; lower `swing_gain`",
+            Self::Swing => {
+                "tighten its horn and links; lighten what it moves; `sinew board settings set swing_gain 0.5`"
+            }
         }
     }
 }

@@ -3,10 +3,12 @@
 use std::process::ExitCode;
 use std::time::Duration;
 
-use anyhow::Context as _;
+use anyhow::{Context as _, anyhow};
 use clap::Subcommand;
+use sinew_board_client::ClientError;
 use sinew_firmware::node::SETTING_NAMES;
 use sinew_host_util::command::{print, table};
+use sinew_link::message::Refusal;
 
 use super::{BoardPort, PortBoard};
 
@@ -53,7 +55,7 @@ pub(super) fn run(args: &SettingsArgs) -> anyhow::Result<ExitCode> {
         (Some(What::Get { .. }), Some(key)) => print(&format!("{}\n", board.setting(key)?))?,
         (Some(What::Set { key: name, value }), Some(key)) => {
             let before = board.setting(key)?;
-            let now = board.set_setting(key, *value)?;
+            let now = board.set_setting(key, *value).map_err(in_words)?;
             board.reconnect(RESTART)?;
             print(&format!("{name} is {now} now, before {before}\n"))?;
         }
@@ -68,6 +70,18 @@ fn all(board: &mut PortBoard) -> anyhow::Result<String> {
         table.add_row([name.to_owned(), board.setting(key)?.to_string()]);
     }
     Ok(format!("{table}\n"))
+}
+
+/// Names the setting that is refused: a board knows its number alone.
+fn in_words(error: ClientError) -> anyhow::Error {
+    let ClientError::Refused(Refusal::Setting { key, found, least, most }) = error else {
+        return error.into();
+    };
+    let index = usize::from(key).checked_sub(1);
+    let Some(name) = index.and_then(|index| SETTING_NAMES.get(index)) else {
+        return error.into();
+    };
+    anyhow!("the controller refused: {name} is {found}; it must be a number from {least} to {most}")
 }
 
 /// The key of a name.

@@ -17,7 +17,7 @@ pub(in crate::cli) fn named(number: u8) -> String {
 
 /// When a fault comes, and what to do.
 pub(in crate::cli) fn remedy(number: u8) -> Option<String> {
-    known(number).map(|fault| format!("{} {}", fault.when(), fault.remedy()))
+    known(number).map(|fault| format!("{}; to do: {}", fault.when(), fault.remedy()))
 }
 
 /// Says what faults a controller has told of, and what to do.

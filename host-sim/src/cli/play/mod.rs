@@ -128,6 +128,7 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     args.check()?;
     let variation = Variation::of(&args.plant)?;
     // What is missing is said before anything is fitted.
+    args.find_files()?;
     let nucleo = (args.target == Target::Nucleo).then(nucleo::Files::find).transpose()?;
     let mut rig = args.on_rig.rig(&args.rig, ON_STAND)?;
     let (bare, _) = rig_hash(&rig.description, &rig.mechanism);
@@ -177,6 +178,15 @@ impl Args {
             self.target.refuse(&of_plant, "simulated servos: the board has its own")?;
         } else {
             self.target.refuse(&[(self.silence.is_given(), "--silence-s")], "a board at a port")?;
+        }
+        Ok(())
+    }
+
+    /// Refuses files that are not there, but a clip without an extension: it may be built in.
+    fn find_files(&self) -> anyhow::Result<()> {
+        let show = Some(Path::new(&self.show)).filter(|show| show.extension().is_some());
+        for path in show.into_iter().chain(self.mapping.as_deref()) {
+            path.metadata().with_context(|| path.display().to_string())?;
         }
         Ok(())
     }

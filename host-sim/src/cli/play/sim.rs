@@ -65,15 +65,18 @@ impl Args {
             recorder.end().with_context(of_record)?;
             note(format_args!("wrote {}", of_record()));
         }
-        print(&tally.table(&sim, director.raised()))?;
+        // Of a rig that was never armed there is nothing to tell but why.
+        if tally.ticks() > 0 || !matches!(ended, Some(Ended::Refused(_))) {
+            print(&tally.table(&sim, director.raised()))?;
+        }
         for warning in director.raised().and(FaultSet::WARNINGS).iter() {
-            note(format_args!("{warning}: {}; {}", warning.when(), warning.remedy()));
+            note(format_args!("{warning}: {}; to do: {}", warning.when(), warning.remedy()));
         }
         Ok(match ended {
             Some(Ended::Done | Ended::Stopped) => ExitCode::SUCCESS,
             Some(Ended::Faults(faults)) => {
                 for fault in Fault::ALL.into_iter().filter(|fault| faults.contains(*fault)) {
-                    note(format_args!("{fault}: {} {}", fault.when(), fault.remedy()));
+                    note(format_args!("{fault}: {}; to do: {}", fault.when(), fault.remedy()));
                 }
                 ExitCode::from(1)
             }

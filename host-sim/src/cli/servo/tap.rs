@@ -7,7 +7,7 @@ use anyhow::{Context as _, bail};
 use sinew_host_util::command::{note, print, table};
 use sinew_host_util::output::{try_to_write, write};
 use sinew_performance::rig::LoadedRig;
-use sinew_rig::description::SourcedValue;
+use sinew_rig::description::{ServoModel, SourcedValue};
 use sinew_servo_sim::load::{Load as _, Shaft};
 use sinew_servo_sim::rig::{RigServo as Loaded, servos};
 use sinew_servo_sim::variation::Change;
@@ -205,8 +205,9 @@ fn words(servo: &RigServo, tapped: &Tapped) -> String {
         four(servo.model.gear_damping()),
     ]);
     format!(
-        "{}, a {}: {tapped}\n{table}\nEach of {PARTS} parts of the taps gives a result of its own: the least and the most.\n",
-        servo.name, servo.model.name
+        "{}, {}: {tapped}\n{table}\nEach of {PARTS} parts of the taps gives a result of its own: the least and the most.\n",
+        servo.name,
+        ServoModel::with_article(&servo.model.name)
     )
 }
 

@@ -34,7 +34,7 @@ fn a_gear_that_is_softer_than_the_file_says_comes_into_the_file() {
         tap(&rig, &[&WEIGHT as &[&str], &["--plant", "stiffness=0.5"]].concat());
     assert_eq!(code, 0, "{said}{errors}");
     for words in
-        ["turn1, a XL330-M288-T: it rings with", "stiffness, N m/rad", "29.7", "damping, N m s"]
+        ["turn1, an XL330-M288-T: it rings with", "stiffness, N m/rad", "29.7", "damping, N m s"]
     {
         assert!(said.contains(words), "{said}");
     }

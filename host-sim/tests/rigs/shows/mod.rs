@@ -23,11 +23,12 @@ fn done(arguments: &[&str]) -> [String; 2] {
 }
 
 #[track_caller]
-fn refused(arguments: &[&str], part: &str) {
+fn refused(arguments: &[&str], part: &str) -> String {
     let output = sinew(arguments);
-    let told = String::from_utf8_lossy(&output.stderr);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
     assert!(told.contains(part), "{arguments:?}: {told}");
+    told
 }
 
 /// The bodies of a rig's file.

@@ -178,12 +178,17 @@ fn what_cannot_be_played_is_refused_in_words() {
         (&["play", &show, "--rig", &other][..], "does not play on this rig"),
         (&["play", &show, "--rig", &rig, "--servo", "xm430"], "each joint has a servo already"),
         (&["play", &show, "--rig", &rig, "--rate-hz", "2000"], "500 Hz does fit"),
+        (&["play", &show, "--rig", &rig, "--rate-hz", "nan"], "a whole number from 1 to 10000"),
         (&["play", &show, "--rig", &rig, "--baud", "12345"], "4000000"),
         (&["play", &show, "--rig", &rig, "--seconds", "2"], "--seconds: is of clips"),
         (&["play", &rig, "--rig", &rig, "--seconds", "2"], "arm.toml"),
     ] {
         refused(arguments, part);
     }
+    // A file that is not there is told of before anything else.
+    let missing = path(folder.path(), "nosuch.show");
+    let told = refused(&["play", &missing, "--rig", &rig], "nosuch.show: No such file");
+    assert!(!told.contains("bus"), "{told}");
 }
 
 #[test]

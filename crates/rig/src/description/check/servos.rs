@@ -3,9 +3,22 @@
 use std::collections::HashMap;
 
 use super::joints::check_range;
-use super::part::{Part, Sign};
+use super::part::{Part, Sign, shown};
 use crate::description::error::{DescriptionError, Step};
 use crate::description::{Address, Servo, ServoModel, SourcedValue};
+
+/// Values of a kind that may be zero; a servo whose others are is none.
+pub(super) const MAY_BE_ZERO: [&str; 6] = [
+    "continuous_torque_nm",
+    "position_gain_nm_rad",
+    "friction_nm",
+    "damping_nm_s",
+    "backlash_rad",
+    "thermal_resistance_k_w",
+];
+
+/// The coarsest step and the widest play that a servo is believed to have: six times the play of hobby servos.
+const COARSEST_RAD: f64 = 0.1;
 
 /// What each place on each bus has.
 pub(super) type Addresses<'a> = HashMap<(&'a str, Address), &'a str>;
@@ -71,8 +84,27 @@ fn check_address<'a>(
 
 pub(super) fn check_model(index: usize, model: &ServoModel) -> Result<(), DescriptionError> {
     let part = Part::of("servo_model", index, &model.name);
+    let fine = [
+        ("resolution_rad", model.resolution_rad.value, "above 0", model.resolution_rad.value > 0.0),
+        ("backlash_rad", model.backlash_rad.value, "from 0", model.backlash_rad.value >= 0.0),
+    ];
+    for (key, value, least, is_right) in fine {
+        // NaN is neither.
+        if !is_right || value > COARSEST_RAD {
+            let at = [Step::Key(key), Step::Key("value")];
+            let expected = format!("a number {least}, at most {COARSEST_RAD} rad (5.7 deg)");
+            return Err(part.refuse(&at, expected, shown(&at, value)));
+        }
+    }
     for (key, sourced) in model.clone().values_mut() {
-        check_sourced(part, key, sourced, Sign::NotNegative)?;
+        let sign = if MAY_BE_ZERO.contains(&key) { Sign::NotNegative } else { Sign::Positive };
+        check_sourced(part, key, sourced, sign)?;
+    }
+    let stall_nm = model.stall_torque_nm.value;
+    if model.friction_nm.value >= stall_nm {
+        let at = [Step::Key("friction_nm"), Step::Key("value")];
+        let expected = format!("less than stall_torque_nm ({stall_nm} N m), or it never turns");
+        return Err(part.refuse(&at, expected, shown(&at, model.friction_nm.value)));
     }
     for (key, sourced) in model.clone().optional_values_mut() {
         let Some(sourced) = sourced else { continue };

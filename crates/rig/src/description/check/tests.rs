@@ -89,6 +89,8 @@ fn model(name: &str) -> ServoModel {
     for (_, value) in model.optional_values_mut() {
         *value = Some(tested.clone());
     }
+    model.friction_nm.value = 0.5;
+    (model.resolution_rad.value, model.backlash_rad.value) = (0.01, 0.0);
     model
 }
 
@@ -256,6 +258,39 @@ fn numbers_are_finite_and_of_a_sign_that_can_be() {
         "servo_model[0].voltage_v.source",
         "guess",
     );
+}
+
+/// What no servo is, though each of its numbers could be one.
+#[test]
+fn a_kind_that_no_servo_can_be_is_refused() {
+    fn value<'a>(rig: &'a mut Description, key: &str) -> &'a mut f64 {
+        let values = rig.servo_models[1].values_mut();
+        &mut values.into_iter().find(|(of, _)| *of == key).unwrap().1.value
+    }
+    for (key, bad, words) in [
+        ("resolution_rad", 0.0, "above 0, at most 0.1 rad (5.7 deg), found 0 rad"),
+        ("resolution_rad", f64::NAN, "above 0, at most 0.1 rad"),
+        ("resolution_rad", 1.0, "above 0, at most 0.1 rad (5.7 deg), found 1 rad"),
+        ("backlash_rad", 0.2, "from 0, at most 0.1 rad (5.7 deg), found 0.2 rad"),
+        ("rotor_inertia_kg_m2", 0.0, "above 0, at most 1.0e6 kg m², found 0 kg m²"),
+        ("stall_torque_nm", 0.0, "above 0, at most 1.0e6 N m, found 0 N m"),
+        ("no_load_speed_rad_s", 0.0, "above 0, at most 1.0e6 rad/s, found 0 rad/s"),
+        ("torque_constant_nm_a", 0.0, "found 0 N m/A"),
+        (
+            "friction_nm",
+            100.0,
+            "less than stall_torque_nm (1 N m), or it never turns, found 100 N m",
+        ),
+        ("friction_nm", 1.0, "less than stall_torque_nm (1 N m)"),
+    ] {
+        let path = format!("servo_model[1].{key}.value");
+        refused(|rig| *value(rig, key) = bad, &path, words);
+    }
+    for key in super::servos::MAY_BE_ZERO {
+        let mut rig = rig();
+        *value(&mut rig, key) = 0.0;
+        assert_eq!(rig.check(), Ok(()), "{key}");
+    }
 }
 
 fn set_gear(rig: &mut Description, key: &str, value: f64) {

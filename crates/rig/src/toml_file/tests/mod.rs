@@ -142,6 +142,12 @@ fn wrong_types_are_refused_with_the_right_one() {
             "name = \"arm\"\nmount = 1979-05-27",
             "line 2, column 9: mount: expected a table of keys, found a date",
         ),
+        (
+            "id = 3",
+            "id = 3\n[[servo_model]]\nname = \"own\"\ngear_stiffness_nm_rad = 14.8",
+            "line 28, column 25: servo_model[0].gear_stiffness_nm_rad: expected { value = .., source = \"who states it\" }, \
+             found the number 14.8",
+        ),
     ]);
 }
 

@@ -92,6 +92,7 @@ impl Visitor for Keys {
     fn inline<T>(
         &mut self,
         key: &'static str,
+        _: &'static str,
         field: &mut T,
         keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Infallible>,
     ) -> Result<(), Infallible> {
@@ -103,10 +104,11 @@ impl Visitor for Keys {
     fn optional_inline<T: Default>(
         &mut self,
         key: &'static str,
+        form: &'static str,
         field: &mut Option<T>,
         keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Infallible>,
     ) -> Result<(), Infallible> {
-        self.inline(key, field.get_or_insert_default(), keys)
+        self.inline(key, form, field.get_or_insert_default(), keys)
     }
 
     fn section<T: Default>(

@@ -313,6 +313,11 @@ fn model(r: &mut Random, index: usize) -> ServoModel {
     for (_, value) in model.values_mut() {
         *value = SourcedValue { value: r.positive(), source: r.name("guess: ", index) };
     }
+    // What no servo is, is refused.
+    model.friction_nm.value = 0.5 * model.stall_torque_nm.value;
+    for fine in [&mut model.resolution_rad, &mut model.backlash_rad] {
+        fine.value = fine.value.min(0.1);
+    }
     for (key, value) in model.optional_values_mut() {
         *value = r.perhaps(|r| {
             let most = if key == "output_friction_share" { 1.0 } else { f64::INFINITY };
