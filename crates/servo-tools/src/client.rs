@@ -80,6 +80,19 @@ impl<E: Exchange> Client<E> {
         Ok(())
     }
 
+    /// Does something with no more patience than this.
+    pub(crate) fn with_patience<T>(
+        &mut self,
+        most: Duration,
+        work: impl FnOnce(&mut Self) -> T,
+    ) -> T {
+        let before = self.settings.patience;
+        self.settings.patience = before.min(most);
+        let done = work(self);
+        self.settings.patience = before;
+        done
+    }
+
     /// Does what must not end half-way.
     pub(crate) fn whole<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
         let before = std::mem::replace(&mut self.is_whole, true);

@@ -3,6 +3,8 @@
 //! A tool marks what it changes: the bus watchdog of a Dynamixel is set before all else, and the torque limit of an STS
 //! is lowered; both are put back last. So what is left can be read off the servo, by any program on any machine.
 
+use std::time::Duration;
+
 use sinew_servo_bus::dynamixel::table::address as dxl;
 use sinew_servo_bus::feetech::Family;
 use sinew_servo_bus::feetech::table::address as feetech_address;
@@ -11,7 +13,11 @@ use crate::guard::WATCHDOG;
 use crate::identify::RUNNING_TIME_MS;
 use crate::quantity::Scale;
 use crate::store::{lock_of, torque_is_on};
-use crate::{Client, Exchange, ServiceError, Servo, Table};
+use crate::{Client, Exchange, Protocol, ServiceError, Servo, Table, scan};
+
+/// A Feetech is asked for by itself, which takes a silent id's time each.
+const FEETECH_MOST: u8 = 12;
+const FEETECH_ANSWER: Duration = Duration::from_millis(34);
 
 /// A servo as a program left it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -55,6 +61,35 @@ pub fn look<E: Exchange>(
         );
     }
     Ok((!words.is_empty()).then(|| Left { what: words.join("; "), is_on }))
+}
+
+/// Looks at all other servos of a line, at its protocol and rate: Dynamixels that answer a ping to all, Feetechs with
+/// ids up to 12. It takes up to a second.
+///
+/// # Errors
+/// If the line is gone, or [`ServiceError::Stopped`].
+pub fn on_line<E: Exchange>(
+    client: &mut Client<E>,
+    known: u8,
+) -> Result<Vec<(u8, Left)>, ServiceError> {
+    let ids: Vec<u8> = match client.protocol() {
+        Protocol::Dynamixel => {
+            scan::answer_together(client)?.iter().map(|reply| reply.id).collect()
+        }
+        Protocol::Feetech => (0..=FEETECH_MOST).collect(),
+    };
+    let mut found = Vec::new();
+    for id in ids.into_iter().filter(|id| *id != known) {
+        // Who answers no question by itself is no other than before: a servo that is not set up yet.
+        if client.with_patience(FEETECH_ANSWER, |client| client.ping(id, 1))?.is_ok()
+            && let Ok(servo) = client.open(id, None)
+            && let Ok(Some(left)) = look(client, &servo)
+        {
+            found.push((id, left));
+        }
+    }
+    client.ensure_going()?;
+    Ok(found)
 }
 
 fn of_dynamixel<E: Exchange>(

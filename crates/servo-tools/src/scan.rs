@@ -9,6 +9,7 @@ use sinew_servo_bus::{dynamixel, feetech};
 use crate::client::packet;
 use crate::left::{self, Left};
 use crate::ping_reply::{Miss, Pong};
+use crate::reply::{ReceivedReply, Reply};
 use crate::{Client, Exchange, Protocol, ServiceError, Servo};
 
 /// Where to look.
@@ -114,9 +115,7 @@ fn scan_rate<E: Exchange>(
     tell: &mut dyn FnMut(ScanEvent<'_>),
 ) -> Result<Vec<Found>, ServiceError> {
     let (protocol, baud) = (client.protocol(), client.baud());
-    let (request, time) = to_all(protocol)?;
-    let patience = client.patience();
-    let heard = client.ask(&request, 0, time + patience, |_| false)?;
+    let heard = ask_all(client)?;
     let mut found = Vec::new();
     let mut add = |tell: &mut dyn FnMut(ScanEvent<'_>), id: u8, pong: Pong| {
         let model = pong.table.map(|table| table.model());
@@ -160,6 +159,20 @@ fn scan_rate<E: Exchange>(
         tell(ScanEvent::Noise(protocol, baud));
     }
     Ok(found)
+}
+
+/// Asks all servos of a rate together.
+fn ask_all<E: Exchange>(client: &mut Client<E>) -> Result<ReceivedReply, ServiceError> {
+    let (request, time) = to_all(client.protocol())?;
+    let patience = client.patience();
+    client.ask(&request, 0, time + patience, |_| false)
+}
+
+/// What servos answer that are asked together.
+pub(crate) fn answer_together<E: Exchange>(
+    client: &mut Client<E>,
+) -> Result<Vec<Reply>, ServiceError> {
+    Ok(ask_all(client)?.replies)
 }
 
 /// Whether any servo is there: in which protocol and at what rate something answers a question to all, within the time

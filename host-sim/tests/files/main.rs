@@ -4,5 +4,6 @@ mod attack;
 #[path = "../common/mod.rs"]
 mod common;
 mod foreign;
+mod kills;
 mod mocap_data;
 mod outputs;

@@ -294,3 +294,29 @@ fn a_rig_at_a_board_is_led_and_limp_again() {
     let hand = text(&{ hand }.output().unwrap());
     assert!(hand.contains("it is for `--target sim`"), "{hand}");
 }
+
+#[test]
+fn what_was_led_is_kept_if_the_board_is_gone() {
+    let folder = tempfile::tempdir().unwrap();
+    let [rig, port, show, kept] =
+        ["arm.toml", "board", "walk.show", "walk.led.csv"].map(|name| path(folder.path(), name));
+    says(&["rig", "new", "--arm", "3", "-o", &rig], 0);
+    let board = Served::start(&["board", "simulate", "--rig", &rig, "--pty", &port, "--guide"]);
+    be_patient(&port);
+    let mut record = sinew(&["record", "--target", &port, "--rig", &rig, "--limp", "-o", &show]);
+    let mut record = record.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut said = BufReader::new(record.stderr.take().unwrap());
+    let mut line = String::new();
+    while !line.contains("lead it") {
+        assert!(said.read_line(&mut line).unwrap() > 0, "{line}");
+    }
+    std::thread::sleep(std::time::Duration::from_secs(4));
+    drop(board);
+    assert_eq!(record.wait().unwrap().code(), Some(2));
+    std::io::Read::read_to_string(&mut said, &mut line).unwrap();
+    assert!(line.contains("walk.led.csv: what was led"), "{line}");
+    let rows = std::fs::read_to_string(&kept).unwrap().lines().count();
+    // Four seconds at 100 Hz; a busy machine may be late.
+    assert!(rows > 200, "{rows}");
+    assert!(!std::path::Path::new(&show).exists());
+}

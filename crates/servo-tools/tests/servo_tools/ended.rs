@@ -288,9 +288,11 @@ fn a_fault_is_told_and_leaves_nothing() {
 
 #[test]
 fn a_kill_ends_the_move_and_is_found_by_the_next_tool() {
+    println!("kind, tool: kills; torque left on; registers left; told by the next tool");
     for kind in KINDS {
         for tool in TOOLS {
             let all = packets(tool, kind, false);
+            let mut counts = [0; 4];
             for after in (0..all.min(60)).step_by(2).chain((60..all).step_by(all.div_ceil(12))) {
                 let mut client = client(kind, false);
                 let servo = client.open(1, None).unwrap();
@@ -336,6 +338,10 @@ fn a_kill_ends_the_move_and_is_found_by_the_next_tool() {
                     "{place} {differ:?} {left:?}"
                 );
                 assert!(!is_on || left.is_some(), "{place} {differ:?}");
+                let counted = [true, is_on, !differ.is_empty(), left.is_some()];
+                for (count, counted) in counts.iter_mut().zip(counted) {
+                    *count += u32::from(counted);
+                }
                 if is_on {
                     let refused = identify::identify(&mut client, &servo).unwrap_err().to_string();
                     assert!(refused.contains("sinew servo reboot 1"), "{refused}");
@@ -346,6 +352,8 @@ fn a_kill_ends_the_move_and_is_found_by_the_next_tool() {
                     assert_eq!(before, after, "{place}");
                 }
             }
+            let [kills, on, registers, told] = counts;
+            println!("{kind}, {tool:?}: {kills}; {on}; {registers}; {told}");
         }
     }
 }

@@ -10,7 +10,7 @@ use sinew_host_util::command::note;
 use sinew_link::message::{Command, FaultRecord, Refusal, State, TelemetryParts};
 use sinew_performance::play::RigParts;
 use sinew_performance::rig::LoadedRig;
-use sinew_performance::teach::{Mode, check_servos, rows};
+use sinew_performance::teach::{Mode, ReceivedError, check_servos, rows};
 use sinew_retarget::feasibility::RigMotion;
 
 use crate::cli::board::{PortBoard, READY, arm, check_rig, open, tell_faults};
@@ -44,10 +44,20 @@ pub(super) fn led(
     // Whatever came between: the rig is limp before this ends, or a second Ctrl-C came.
     let stopped = session.limp();
     let ended = led.and(stopped);
-    let poses = session.board.log.poses.take().unwrap_or_default();
-    match rows(&rig.mechanism, &poses, tick_s, f64::from(told.rate_hz).recip()) {
-        Ok(motion) => Ok((motion, ended)),
-        Err(why) => Err(ended.err().unwrap_or_else(|| why.into())),
+    let mut poses = session.board.log.poses.take().unwrap_or_default();
+    let dt_s = f64::from(told.rate_hz).recip();
+    let why = match rows(&rig.mechanism, &poses, tick_s, dt_s) {
+        Ok(motion) => return Ok((motion, ended)),
+        Err(why) => why,
+    };
+    // Nobody knows what came in a gap; what came before it is kept.
+    let first = poses.first().map_or(0, |pose| pose.tick);
+    let until_s = if let ReceivedError::Gap { at_s, .. } = why { at_s } else { 0.0 };
+    poses.retain(|pose| f64::from(pose.tick.wrapping_sub(first)) * tick_s <= until_s);
+    let why = ended.err().unwrap_or_else(|| why.into());
+    match rows(&rig.mechanism, &poses, tick_s, dt_s) {
+        Ok(motion) => Ok((motion, Err(why))),
+        Err(_) => Err(why),
     }
 }
 
@@ -106,6 +116,12 @@ impl TeachSession {
     /// Brings the rig to rest, and waits until it is limp. What comes meanwhile is no part of the motion.
     fn limp(&mut self) -> anyhow::Result<()> {
         let poses = self.board.log.poses.take();
+        let limp = self.stop_and_wait();
+        self.board.log.poses = poses;
+        limp
+    }
+
+    fn stop_and_wait(&mut self) -> anyhow::Result<()> {
         if !matches!(self.state, Some(State::Limp | State::Off | State::Faulted) | None) {
             self.board.ask(Command::Stop)?;
             let times = self.stop.times();
@@ -117,7 +133,6 @@ impl TeachSession {
                 }
             }
         }
-        self.board.log.poses = poses;
         Ok(())
     }
 

@@ -141,6 +141,13 @@ impl LineArgs {
         Ok((client, servo))
     }
 
+    /// The same for a command that moves or changes it: all other servos of the line are looked at, too.
+    pub(super) fn servo_to_change(&self, id: u8) -> anyhow::Result<(PortClient, Servo)> {
+        let (mut client, servo) = self.servo(id)?;
+        tell_left_on_line(&mut client, servo.id)?;
+        Ok((client, servo))
+    }
+
     /// The same on a line that is open.
     pub(super) fn find(
         &self,
@@ -169,6 +176,14 @@ pub(super) fn open_rig_servo(
     let found = servo.open(client)?;
     tell_left(client, &found);
     Ok(found)
+}
+
+/// Tells of all other servos of a line that a program left.
+pub(super) fn tell_left_on_line(client: &mut PortClient, known: u8) -> anyhow::Result<()> {
+    for (id, left) in left::on_line(client, known)? {
+        note(format_args!("servo {id}: {}", left.what));
+    }
+    Ok(())
 }
 
 /// Tells of a servo that a program left in the middle of what it did.

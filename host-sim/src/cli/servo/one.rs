@@ -20,7 +20,7 @@ pub(super) struct SetIdArgs {
 }
 
 pub(super) fn set_id(line: &LineArgs, args: &SetIdArgs) -> anyhow::Result<ExitCode> {
-    let (mut client, servo) = line.servo(args.old)?;
+    let (mut client, servo) = line.servo_to_change(args.old)?;
     let servo = address::set_id(&mut client, &servo, args.new)?;
     print(&format!("servo {} is servo {} now\n", args.old, servo.id))?;
     Ok(ExitCode::SUCCESS)
@@ -39,7 +39,7 @@ pub(super) struct SetBaudArgs {
 }
 
 pub(super) fn set_baud(line: &LineArgs, args: &SetBaudArgs) -> anyhow::Result<ExitCode> {
-    let (mut client, servo) = line.servo(args.id)?;
+    let (mut client, servo) = line.servo_to_change(args.id)?;
     let before = client.baud();
     address::set_baud(&mut client, &servo, args.new)?;
     print(&format!("servo {} is at {} baud now, before at {before}\n", servo.id, args.new))?;
@@ -59,7 +59,7 @@ pub(super) struct IdentifyArgs {
 }
 
 pub(super) fn identify(line: &LineArgs, args: &IdentifyArgs) -> anyhow::Result<ExitCode> {
-    let (mut client, servo) = line.servo(args.id)?;
+    let (mut client, servo) = line.servo_to_change(args.id)?;
     let shown = service::identify(&mut client, &servo)?;
     print(&format!("servo {}: {shown}\n", servo.id))?;
     Ok(ExitCode::SUCCESS)

@@ -15,7 +15,7 @@ use sinew_servo_tools::rig_file::with_gear;
 use sinew_servo_tools::rig_servo::{RigServo, of_bus};
 use sinew_servo_tools::tap::{Load, PARTS, Settings, TapTest, Tapped};
 
-use super::line::{LineArgs, open_rig_servo};
+use super::line::{LineArgs, open_rig_servo, tell_left_on_line};
 use super::prompt::Prompt;
 use super::rig::find_rate;
 use super::tapped_sim::{self, TargetArg};
@@ -161,6 +161,7 @@ fn on_port(
     let mut client = line.client()?;
     find_rate(line, &mut client, std::slice::from_ref(servo))?;
     let found = open_rig_servo(&mut client, servo)?;
+    tell_left_on_line(&mut client, servo.id)?;
     let test = TapTest::new(&mut client, &found, &servo.model, settings)?;
     note(format_args!(
         "{} (id {}): {} taps move it by up to {:.0} deg, with up to {:.0} % of its torque. Stand the rig at its home \

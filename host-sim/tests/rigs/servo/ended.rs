@@ -28,8 +28,8 @@ fn identify(bus: &Bus, protocol: &str) -> Child {
 
 /// Ends a program by a signal once the servo's torque came on; its exit code, and what it said.
 fn end(mut child: Child, signal: &str) -> (Option<i32>, String) {
-    // From its start to the end of the wiggle it takes 4 s.
-    std::thread::sleep(Duration::from_millis(900));
+    // It looks at the other servos for a second, and wiggles for 4 s.
+    std::thread::sleep(Duration::from_millis(2200));
     let killed = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
     assert!(killed.success());
     let code = child.wait().unwrap().code();
@@ -69,6 +69,10 @@ fn a_signal_leaves_nothing_and_a_kill_is_told_by_the_next_command() {
             bus.not_done(&["identify", "2", "--protocol", protocol], 2)
                 .contains("a program that was ended")
         );
+        // Also by a command for another servo.
+        let (code, _, said) =
+            bus.servo(&["set-id", "3", "4", "--baud", "1000000", "--protocol", protocol]);
+        assert!(code == 0 && said.contains("`sinew servo reboot 2`"), "{kind}: {said}");
         bus.done(&["reboot", "2", "--protocol", protocol]);
         assert_eq!(held(), before, "{kind}");
         assert!(bus.done(&["identify", "2", "--protocol", protocol]).contains("it moved by"));
@@ -78,11 +82,11 @@ fn a_signal_leaves_nothing_and_a_kill_is_told_by_the_next_command() {
 #[test]
 fn a_servo_in_trouble_is_no_servo_that_moved() {
     for (fault, words) in [
-        ("2:stuck@2s", "hardly moves"),
-        ("2:hot=90@2s", "too hot"),
-        ("2:torque-lost@2s", "torque went off by itself"),
-        ("2:encoder-jump=90@2s", "jumps"),
-        ("2:torque-stuck@2s", "Torque Enable"),
+        ("2:stuck@3s", "hardly moves"),
+        ("2:hot=90@3s", "too hot"),
+        ("2:torque-lost@3s", "torque went off by itself"),
+        ("2:encoder-jump=90@3s", "jumps"),
+        ("2:torque-stuck@3s", "Torque Enable"),
     ] {
         let bus = Bus::of_kind_with("xl330", "2", &["--fault", fault]);
         let said = bus.not_done(&["identify", "2"], 2);

@@ -88,7 +88,7 @@ fn what_tells_too_little_is_refused_and_leaves_the_file() {
             &["--inertia-kg-m2", "0.0018", "--taps", "20", "--strength", "5"],
             "the shaft rings by 0.",
         ),
-        (&["-o", rig.to_str().unwrap()], "is there already"),
+        (&["-o", rig.to_str().unwrap()], "is the rig, which would be lost"),
         (&["--plant", "stiffnes=2"], "stiffness (of gears)"),
     ] {
         let (code, said, errors) = tap(&rig, &[&start as &[&str], args].concat());
