@@ -16,6 +16,9 @@ use crate::supervisor::detect::{
 };
 use crate::supervisor::{Fault, Findings, GuardSettings};
 
+/// A target stands after this, s: an error that a move has left is gone.
+const STANDS_S: f32 = 0.5;
+
 /// Looks at every servo and dof, once a tick.
 #[derive(Debug, Default)]
 pub(super) struct Watch<const DOFS: usize, const SERVOS: usize> {
@@ -26,6 +29,7 @@ pub(super) struct Watch<const DOFS: usize, const SERVOS: usize> {
     pub(super) overrun: Overrun,
     stale_ticks: u32,
     blind_ticks: u32,
+    stands_ticks: u16,
     beyond_rad: f32,
     /// The fastest joint with which a rig is armed, rad/s.
     pub(super) rest_rad_s: f32,
@@ -38,6 +42,8 @@ struct Dof {
     swing: Swing,
     /// Its first servo.
     servo: u16,
+    /// For so many ticks its target has stood.
+    stood_ticks: u16,
 }
 
 /// One servo, and what is found of it.
@@ -83,7 +89,7 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
         }
         let mut dofs: Vec<Dof, DOFS> = Vec::new();
         let following = Following::new(settings.following, dt_s)?;
-        let dof = Dof { following, swing: Swing::default(), servo: u16::MAX };
+        let dof = Dof { following, swing: Swing::default(), servo: u16::MAX, stood_ticks: 0 };
         let _ = dofs.resize(rig.dofs().len(), dof);
         for drive in rig.drives() {
             for dof in &drive.dofs {
@@ -104,6 +110,7 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
             overrun: Overrun::new(settings.overrun)?,
             stale_ticks: ticks(settings.stale_s),
             blind_ticks: ticks(settings.blind_s),
+            stands_ticks: u16::try_from(ticks(STANDS_S)).unwrap_or(u16::MAX),
             beyond_rad: settings.beyond_rad,
             rest_rad_s: settings.rest_rad_s(),
         })
@@ -255,7 +262,9 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
             if let Some(fault) = dof.following.step(off) {
                 findings.note_of(fault, dof.servo);
             }
-            let stands = speed.abs() < STANDS_RAD_S;
+            let still = speed.abs() < STANDS_RAD_S;
+            dof.stood_ticks = if still { dof.stood_ticks.saturating_add(1) } else { 0 };
+            let stands = dof.stood_ticks > self.stands_ticks;
             dof.swing.step(&self.swing, (off, stands), measured.effort, own.effort);
             (report.swings, report.gain) = (dof.swing.is_found(), dof.swing.gain());
             if report.swings {
@@ -272,5 +281,6 @@ impl Dof {
     fn begin(&mut self) {
         self.following.begin();
         self.swing = Swing::default();
+        self.stood_ticks = 0;
     }
 }
