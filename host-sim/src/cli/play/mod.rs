@@ -7,6 +7,7 @@ mod nucleo;
 mod show;
 mod sim;
 
+use std::path::Path;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
