@@ -217,7 +217,8 @@ fn pulses_are_told_as_far_as_joints_go() {
     assert!(pulses_us.iter().any(|us| (us - 1500.0).abs() < 0.1), "{pulses_us:?}");
 }
 
-/// Without damping, what the loop does to a swing through the gear is all that becomes of it.
+/// Without damping, what the loop does to a swing through the gear is all that becomes of it. A stiff gear has a fast
+/// observer, which slow ticks do not bear.
 #[test]
 fn a_rig_whose_joint_would_shake_by_itself_is_refused() {
     let mut rig = arm(6).unwrap();
@@ -227,11 +228,15 @@ fn a_rig_whose_joint_would_shake_by_itself_is_refused() {
     if let Some(damping) = &mut model.gear_damping_nm_s {
         damping.value = 0.0;
     }
+    if let Some(stiffness) = &mut model.gear_stiffness_nm_rad {
+        stiffness.value = 300.0;
+    }
     // A file's own data of a kind hold before those that are built in.
     rig.servo_models.push(model);
     let mechanism = rig.mechanism().unwrap();
     let parts = |drive| {
-        RigParts::new(&rig, &mechanism, Options { drive: Some(drive), ..Options::default() })
+        let options = Options { drive: Some(drive), rate_hz: Some(250), ..Options::default() };
+        RigParts::new(&rig, &mechanism, options)
     };
     let refused = parts(Drive::Current).err().unwrap().to_string();
     assert!(refused.contains(&format!("servo `{}` would shake", rig.servos[0].name)), "{refused}");

@@ -7,8 +7,7 @@ mod nucleo;
 mod show;
 mod sim;
 
-use std::path::Path;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context as _, ensure};
