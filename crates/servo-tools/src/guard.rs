@@ -62,8 +62,8 @@ impl<'c, E: Exchange> Guard<'c, E> {
         Ok(Self { client, servo, was_on, before: Vec::new(), motion: None, is_over: false })
     }
 
-    /// Guards a servo that moves, no faster than by so many deg/s: refused where it is in trouble, moves, or was left by
-    /// a program that was killed. Its watchdog is set, where it has one.
+    /// Guards a servo that moves, no faster than by so many deg/s: refused where it is in trouble, moves, or was left
+    /// by a program that was killed. Its watchdog is set, where it has one.
     pub(crate) fn begin_move(
         client: &'c mut Client<E>,
         servo: &'c Servo,

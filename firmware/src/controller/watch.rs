@@ -234,8 +234,8 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
         }
     }
 
-    /// Looks how far the measured dofs are from what was commanded (`report`), at the commanded speeds `qd`, and whether
-    /// they swing. `is_held`: they have all their effort to be there.
+    /// Looks how far the measured dofs are from what was commanded (`report`), at the commanded speeds `qd`, and
+    /// whether they swing. `is_held`: they have all their effort to be there.
     pub(super) fn dofs(
         &mut self,
         own: &[BoardDof],

@@ -1,8 +1,8 @@
 //! What commands write, and the one place that keeps what they read.
 //!
-//! Options that name a file to write have the type [`OutputPath`], those of a folder or a link [`OutputPlace`]. Before a
-//! command runs, each of them is compared with all else on the command line, by which file it is, not by its name; and
-//! each file is tried, so that nothing is computed, or led by hand, for a file that cannot be written.
+//! Options that name a file to write have the type [`OutputPath`], those of a folder or a link [`OutputPlace`]. Before
+//! a command runs, each of them is compared with all else on the command line, by which file it is, not by its name;
+//! and each file is tried, so that nothing is computed, or led by hand, for a file that cannot be written.
 
 use std::ffi::{OsStr, OsString};
 use std::ops::Deref;

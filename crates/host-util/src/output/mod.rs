@@ -26,8 +26,8 @@ pub fn write(path: &Path, bytes: impl AsRef<[u8]>) -> anyhow::Result<()> {
         .with_context(|| format!("{}: cannot be written", path.display()))
 }
 
-/// Tries whether a file can be written, before anything is done for it. Nothing is left of it; devices and pipes are not
-/// tried. Tells what a program that was ended has left beside.
+/// Tries whether a file can be written, before anything is done for it. Nothing is left of it; devices and pipes are
+/// not tried. Tells what a program that was ended has left beside.
 ///
 /// # Errors
 /// As of [`write`].

@@ -1,4 +1,5 @@
-//! The checksum of a recording: SHA-256 of all bytes up to an end and of the end itself, so that each flipped bit is told.
+//! The checksum of a recording: SHA-256 of all bytes up to an end and of the end itself, so that each flipped bit is
+//! told.
 //!
 //! It stands in the end as text, under [`KEY`]. While it is computed, zeros stand in its place.
 

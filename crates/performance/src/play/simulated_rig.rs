@@ -176,8 +176,8 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         self.controller.measured()
     }
 
-    /// Current of a servo as it tells it, A. What it tells as load is a part of its stall current; of a servo by voltage
-    /// the part of its supply that it applies, from which its back-EMF is taken.
+    /// Current of a servo as it tells it, A. What it tells as load is a part of its stall current; of a servo by
+    /// voltage the part of its supply that it applies, from which its back-EMF is taken.
     pub fn current_a(&self, servo: usize) -> Option<f32> {
         let read = self.buses.feedback(servo)?;
         Some(match read.effort {

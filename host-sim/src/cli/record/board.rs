@@ -21,7 +21,8 @@ const RATE_HZ: f32 = 100.0;
 /// How often the state is looked at.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// What was measured between `teaching` or `floating` and Ctrl-C, or for so many seconds; or until it was ended, and why.
+/// What was measured between `teaching` or `floating` and Ctrl-C, or for so many seconds; or until it was ended, and
+/// why.
 pub(super) fn led(
     port: &Path,
     silence: Duration,

@@ -19,8 +19,8 @@ use super::rig::find_rate;
 /// Find the range of each joint by hand, and write it into the rig file.
 ///
 /// Drive by drive: torque goes off, you move the joint from stop to stop, and Enter takes the ends. Then you put it at
-/// its home, and Enter takes the servo's offset. Torque stays off, also where Ctrl-C or an error ends it. Only `range_deg` and `offset_deg` of the servos are changed; all else
-/// in the file stays as you wrote it.
+/// its home, and Enter takes the servo's offset. Torque stays off, also where Ctrl-C or an error ends it. Only
+/// `range_deg` and `offset_deg` of the servos are changed; all else in the file stays as you wrote it.
 #[derive(Debug, clap::Args)]
 pub(super) struct CalibrateArgs {
     /// The rig.toml.

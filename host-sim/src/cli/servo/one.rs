@@ -49,8 +49,8 @@ pub(super) fn set_baud(line: &LineArgs, args: &SetBaudArgs) -> anyhow::Result<Ex
 /// Identify a servo: it moves by 6 degrees to either side and back, with its light on if it has one.
 ///
 /// It moves slowly, and with at most 30 % of its torque beside what it holds; if torque was off, it is off afterwards.
-/// All registers are as before, also at Ctrl-C and where something fails. A servo that does not move as it is told is an
-/// error. Hold nothing fragile in its way.
+/// All registers are as before, also at Ctrl-C and where something fails. A servo that does not move as it is told is
+/// an error. Hold nothing fragile in its way.
 #[derive(Debug, clap::Args)]
 pub(super) struct IdentifyArgs {
     /// The servo's id.
