@@ -3,6 +3,7 @@
 use core::hint::black_box;
 use core::num::NonZeroU16;
 
+use sinew_core::bandwidth::Bandwidth;
 use sinew_core::control::{ControlLaw, Gains, TorqueLimit};
 use sinew_core::dynamics::{OuterJoints, reflected_inertia};
 use sinew_core::glam::Vec3;
@@ -169,6 +170,9 @@ pub(crate) fn projections() {
 
 #[inline(never)]
 pub(crate) fn observers() {
+    let [gear, rotor, load, dt_s] = black_box([1.0; 4]);
+    let _ = black_box(Bandwidth::of_gear(gear, rotor, dt_s));
+    let _ = black_box(Bandwidth::of_loaded_gear(gear, rotor, load, dt_s));
     let (tree, state) = (tree(), measured());
     let Ok(settings) = ObserverSettings::extended_state(black_box(1.0), black_box(1.0)) else {
         return;

@@ -3,8 +3,8 @@
 use core::hint::black_box;
 
 use sinew_link::message::{
-    Hello, Operator, Pass, Snapshot, SnapshotPart, Stream, Telemetry, TelemetryParts, ToController,
-    ToHost,
+    FaultRecord, Hello, Operator, Pass, Snapshot, SnapshotPart, Stream, Telemetry, TelemetryParts,
+    ToController, ToHost,
 };
 use sinew_link::{
     Coordinate, Decoder, LiveBuffer, LiveSettings, Message, Sender, Session, Window, encode, rate,
@@ -64,6 +64,7 @@ pub(crate) fn controller() {
 
 #[inline(never)]
 pub(crate) fn host() {
+    black_box(slice::<FaultRecord>().first().map(FaultRecord::is_warning));
     let mut sender = black_box(Sender::new(black_box(1)));
     if let Some(ToController::Command(command)) = message() {
         black_box(&sender.send(command.item, black_box(1)));

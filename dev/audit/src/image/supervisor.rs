@@ -36,6 +36,7 @@ pub(crate) fn faults() {
     findings.note(fault);
     findings.note_of(fault, black_box(1));
     black_box((findings.servo(fault), fault.name(), fault.when(), fault.remedy()));
+    black_box(fault.is_warning());
     let present: FaultSet = findings.present().iter().collect();
     black_box(present.minus(black_box(present)).and(black_box(present)).first());
 }
