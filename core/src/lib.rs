@@ -1,8 +1,8 @@
 //! The motion core for animatronic servo rigs: it makes a tree of joints follow a performance with natural, low-gain
 //! motion.
 //!
-//! `no_std`, fixed capacity, no allocation, no `unsafe`, no panic. The same code runs in the controller and in the
-//! simulator, and gives the same bits in both.
+//! `no_std`, fixed capacity, no allocation, no `unsafe`, no panic. Controller and simulator run this one code,
+//! and it gives the same bits in both.
 //!
 //! # Six joints
 //! An arm of six revolute joints: build the tree, track a target, get six torques.

@@ -198,7 +198,7 @@ mod tests {
 
     #[test]
     fn a_universal_joint_has_the_velocity_and_bias_of_its_rotation() {
-        // Central differences of the rotation in f64-free arithmetic: step chosen for f32, 1e-2 s.
+        // Central differences of the rotation in single precision, with the step that suits it: 1e-2 s.
         let (first, second) = (Vec3::Y, Vec3::new(0.6, 0.0, 0.8));
         let kind = JointKind::Universal { first, second };
         let h = 1e-2;

@@ -18,7 +18,7 @@ const BEAT_EVERY: Duration = Duration::from_millis(50);
 
 /// Without a valid message for so long, a host that drives a rig hears nothing, if nothing else is set.
 pub const SILENCE: Duration = Duration::from_secs(1);
-/// The same while torque is off: a board that erases flash tells nothing for up to 4 s.
+/// The time without a message while torque is off: a board that erases flash tells nothing for up to 4 s.
 const SILENCE_LIMP: Duration = Duration::from_secs(6);
 /// How often a host that hears nothing says `Stop`, and how long it waits behind each: a frame may be lost.
 const LAST_WORDS: (u32, Duration) = (3, Duration::from_millis(30));

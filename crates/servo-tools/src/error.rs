@@ -152,7 +152,7 @@ pub enum ServiceError {
         id: u8,
         /// Why it failed.
         why: Box<Self>,
-        /// What could not be put back.
+        /// The registers that could not be put back.
         left: Box<Self>,
     },
     /// It is in trouble.

@@ -140,7 +140,7 @@ fn ends<E: Exchange>(
     Ok(ends)
 }
 
-/// What makes it slow, and no stronger than it must be for what it holds.
+/// Returns the registers that make it slow, and no stronger than it must be for its load.
 fn gentle<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -197,7 +197,7 @@ fn gentle<E: Exchange>(
     Ok(gentle)
 }
 
-/// What a servo that holds something takes for it.
+/// Returns the torque or current that a servo takes to hold its load.
 fn holds<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,

@@ -22,7 +22,7 @@ const FEETECH_ANSWER: Duration = Duration::from_millis(34);
 /// A servo as a program left it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Left {
-    /// What is left, and what helps.
+    /// The trace that is left, and the command that helps.
     pub what: String,
     /// Whether its torque is on.
     pub is_on: bool,

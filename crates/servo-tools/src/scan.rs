@@ -168,7 +168,7 @@ fn ask_all<E: Exchange>(client: &mut Client<E>) -> Result<ReceivedReply, Service
     client.ask(&request, 0, time + patience, |_| false)
 }
 
-/// What servos answer that are asked together.
+/// Asks all servos together, and returns their answers.
 pub(crate) fn answer_together<E: Exchange>(
     client: &mut Client<E>,
 ) -> Result<Vec<Reply>, ServiceError> {

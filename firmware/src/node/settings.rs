@@ -39,7 +39,7 @@ pub const SETTING_NAMES: [&str; 19] = [
     "swing_gain",
 ];
 
-/// What each of [`SETTING_NAMES`] says, for people: a board has no words.
+/// The meaning of each of [`SETTING_NAMES`], for people: a board has no words.
 pub const SETTING_TEXTS: [&str; SETTING_NAMES.len()] = [
     "without a message of the host for so long, the rig holds",
     "without a message for so long it is lowered; without an acknowledgement it is stopped",

@@ -1,4 +1,4 @@
-//! What commands write, and the one place that keeps what they read.
+//! Files that commands write, and the one place that keeps those that they read.
 //!
 //! Options that name a file to write have the type [`OutputPath`], those of a folder or a link [`OutputPlace`]. Before
 //! a command runs, each of them is compared with all else on the command line, by which file it is, not by its name;

@@ -143,7 +143,7 @@ fn is_left(part: &Path) -> bool {
     File::open(part).is_ok_and(|file| file.try_lock().is_ok())
 }
 
-/// What programs that were ended have left of a file, for whoever wants it.
+/// Lists what programs that were ended have left of a file.
 pub(super) fn left_beside(path: &Path) -> Vec<PathBuf> {
     let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     parts(&target).filter(|part| is_left(part)).collect()

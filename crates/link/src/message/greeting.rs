@@ -59,7 +59,7 @@ pub struct Hello {
 pub struct Welcome {
     /// The number of the greeting.
     pub nonce: u32,
-    /// What commands and streams of the host carry from now on; 0, which no session has, if there is none.
+    /// The number that commands and streams of the host carry from now on; 0, which no session has, if there is none.
     pub session: u16,
     /// Who answers.
     pub about: About,

@@ -11,7 +11,7 @@ use sha2::{Digest as _, Sha256};
 
 /// Its name among what is kept with a recording.
 pub(super) const KEY: &str = "sha256";
-/// What stands there while it is computed.
+/// The text in its place while it is computed.
 pub(super) const NONE: &str = "0000000000000000000000000000000000000000000000000000000000000000";
 /// Between name and text, as Thrift's compact protocol has it: a field of bytes, and how many.
 const BETWEEN: [u8; 2] = [0x18, 64];

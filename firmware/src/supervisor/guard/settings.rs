@@ -29,11 +29,11 @@ pub struct GuardSettings {
     pub speed_rad_s: f32,
     /// A reading that is older is none: no current, no voltage, and no first goal; s.
     pub stale_s: f32,
-    /// What it is commanded, and the limits of that.
+    /// The kind of its commands, with their limits.
     pub limits: GuardLimits,
 }
 
-/// What a servo may be commanded by its drive, and no other kind of command.
+/// The one kind of command that a servo gets from its drive, with its limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum GuardLimits {

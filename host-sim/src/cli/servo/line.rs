@@ -141,7 +141,7 @@ impl LineArgs {
         Ok((client, servo))
     }
 
-    /// The same for a command that moves or changes it: all other servos of the line are looked at, too.
+    /// Opens a servo for a command that moves or changes it: all other servos of the line are looked at, too.
     pub(super) fn servo_to_change(&self, id: u8) -> anyhow::Result<(PortClient, Servo)> {
         let (mut client, servo) = self.servo(id)?;
         tell_left_on_line(&mut client, servo.id)?;

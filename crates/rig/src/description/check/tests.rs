@@ -260,7 +260,7 @@ fn numbers_are_finite_and_of_a_sign_that_can_be() {
     );
 }
 
-/// What no servo is, though each of its numbers could be one.
+/// Each number alone could be one of a servo; together they are none.
 #[test]
 fn a_kind_that_no_servo_can_be_is_refused() {
     fn value<'a>(rig: &'a mut Description, key: &str) -> &'a mut f64 {
