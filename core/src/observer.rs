@@ -459,10 +459,10 @@ impl<const N: usize, const D: usize> Observer<N, D> {
     }
 
     fn note(&mut self, joint: usize, learning: Learning) {
-        if let Some(command) = self.last_sent(joint)
-            && command.learning != Learning::Frozen
-        {
-            command.learning = learning;
+        if let Some(command) = self.last_sent(joint) {
+            if command.learning != Learning::Frozen {
+                command.learning = learning;
+            }
         }
     }
 
