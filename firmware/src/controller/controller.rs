@@ -6,6 +6,7 @@ use sinew_rig::board::BoardRig;
 use sinew_servo_bus::{EncodeError, Health, Schedule, ServoBus};
 use sinew_show::{ShowError, ShowFrames};
 
+use super::belief::Belief;
 use super::coordinates::{number, put};
 use super::error::{ControllerError, Incomplete};
 use super::feed::{Jog, LiveSource, SoftStart, Sources, plays_show};
@@ -84,9 +85,11 @@ pub struct MotionController<
 
 /// What servos said in the tick before.
 #[derive(Debug)]
-struct Readings<const DOFS: usize, const SERVOS: usize, const COORDS: usize> {
-    servos: Vec<(Condition, Health), SERVOS>,
-    conditions: Vec<Condition, SERVOS>,
+pub(super) struct Readings<const DOFS: usize, const SERVOS: usize, const COORDS: usize> {
+    pub(super) healths: Vec<Health, SERVOS>,
+    /// As they are believed.
+    pub(super) conditions: Vec<Condition, SERVOS>,
+    pub(super) beliefs: Vec<Belief, SERVOS>,
     dofs: Vec<Option<Measured>, DOFS>,
     /// Positions and speeds; what is not measured is where it was commanded.
     pose: Pose<DOFS, COORDS>,
@@ -100,8 +103,9 @@ impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Readings<DOFS,
     #[inline(never)]
     fn new(dofs: usize, pose: &Pose<DOFS, COORDS>) -> Self {
         Self {
-            servos: Vec::new(),
+            healths: Vec::new(),
             conditions: Vec::new(),
+            beliefs: Vec::new(),
             dofs: filled(dofs, None),
             pose: pose.clone(),
             tracked: pose.clone(),
@@ -204,6 +208,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         let soft = SoftStart::new(&settings.supervisor, dt_s);
         self.sources = Sources::new(self.path.now(), soft);
         self.readings = Readings::new(rig.dofs().len(), self.path.now());
+        let own = rig.servos().iter().zip(servos);
+        self.readings.beliefs.extend(own.map(|(own, setup)| Belief::new(&own.servo, setup, dt_s)));
         self.comparison = Comparison::new(rig.servos(), servos);
         self.pending = start.causes;
         Ok(())
@@ -267,9 +273,9 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             findings.note(Fault::NotFinite);
         }
         if !self.permission.torque {
-            let (watch, read) = (&self.watch, &self.readings.servos);
+            let (watch, healths) = (&self.watch, &self.readings.healths);
             self.comparison.step(bus, |servo| {
-                read.get(servo).is_some_and(|(_, health)| watch.is_silent(health))
+                healths.get(servo).is_some_and(|health| watch.is_silent(health))
             });
         }
         let outcome = self.supervise(inputs, jog, findings);
@@ -353,14 +359,19 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
 
     /// Takes what the bus knows; says whether all of it are numbers.
     fn read(&mut self, bus: &impl ServoBus) -> bool {
-        let Readings { servos, conditions, dofs, pose, tracked } = &mut self.readings;
-        servos.clear();
-        conditions.clear();
-        for servo in 0..self.rig.servos().len() {
-            let condition = Condition::of(bus, servo);
-            // Servos of a rig are counted: there is room.
-            let _ = servos.push((condition, bus.health(servo).unwrap_or_default()));
-            let _ = conditions.push(condition);
+        let Readings { healths, conditions, beliefs, dofs, pose, tracked } = &mut self.readings;
+        healths.clear();
+        // Servos of a rig are counted: there is room.
+        let _ = conditions.resize(beliefs.len(), Condition::default());
+        for (servo, (condition, belief)) in conditions.iter_mut().zip(beliefs).enumerate() {
+            let before = condition.feedback;
+            *condition = Condition::of(bus, servo);
+            if !self.permission.torque {
+                belief.rest();
+            }
+            let read = condition.feedback;
+            condition.feedback = read.map(|read| belief.step(before, read, self.dt_s));
+            let _ = healths.push(bus.health(servo).unwrap_or_default());
         }
         if self.performance.drives.measured(conditions, dofs).is_err() {
             return false;
@@ -378,7 +389,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             findings.note(Fault::NotFinite);
         }
         let servos = &mut self.report.servos;
-        self.watch.servos(self.permission.torque, &self.readings.servos, &mut findings, servos);
+        self.watch.servos(self.permission.torque, &self.readings, &mut findings, servos);
         self.watch.range(&self.path, self.readings.pose.q(), &mut findings);
         let mut errors = [0.0; DOFS];
         self.path.errors(self.readings.pose.q(), &mut errors);
@@ -477,7 +488,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             return Err(Incomplete::NotFinite);
         }
         self.is_there = self.path.step(goal, permission.weight, permission.speed_rad_s);
-        let Readings { tracked, conditions, .. } = &self.readings;
+        let Readings { tracked, conditions, beliefs, .. } = &self.readings;
         let watch = &self.watch;
         let commands = self
             .performance
@@ -491,7 +502,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             .map_err(|_| Incomplete::NotFinite)?;
         let switch_on = self.state == State::Arming && permission.source == Source::Measured;
         let servos = &mut self.report.servos;
-        self.output.send(bus, (commands, conditions), permission, switch_on, servos)
+        self.output.send(bus, (commands, conditions, beliefs), permission, switch_on, servos)
     }
 
     /// The rig carries itself, and what is commanded follows it: as long as it is no faster than it may be, so that
@@ -517,7 +528,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             )
             .map_err(|_| Incomplete::NotFinite)?;
         let servos = &mut self.report.servos;
-        self.output.send(bus, (commands, &readings.conditions), permission, false, servos)
+        let read = (commands, &*readings.conditions, &*readings.beliefs);
+        self.output.send(bus, read, permission, false, servos)
     }
 }
 

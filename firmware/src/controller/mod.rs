@@ -43,6 +43,7 @@
     clippy::arithmetic_side_effects
 )]
 
+mod belief;
 #[expect(clippy::module_inception, reason = "the type of the module's name")]
 mod controller;
 mod coordinates;

@@ -3,6 +3,7 @@
 use heapless::Vec;
 use sinew_servo_bus::{Command, ServoBus};
 
+use super::belief::Belief;
 use super::error::{ControllerError, Incomplete};
 use super::report::ServoReport;
 use super::settings::ServoSetup;
@@ -38,13 +39,14 @@ impl<const SERVOS: usize> Output<SERVOS> {
     pub(super) fn send(
         &mut self,
         bus: &mut impl ServoBus,
-        (commands, conditions): (&[Option<ServoCommand>], &[Condition]),
+        (commands, conditions, beliefs): (&[Option<ServoCommand>], &[Condition], &[Belief]),
         permission: &Permission,
         switch_on: bool,
         report: &mut [ServoReport],
     ) -> Result<(), Incomplete> {
-        let servos = self.guards.iter_mut().zip(commands).zip(conditions).zip(report);
-        for (index, (((guard, command), condition), report)) in servos.enumerate() {
+        let read = conditions.iter().zip(beliefs);
+        let servos = self.guards.iter_mut().zip(commands).zip(read).zip(report);
+        for (index, (((guard, command), (condition, belief)), report)) in servos.enumerate() {
             let Some(ServoCommand { command, limit }) = *command else { continue };
             let guarded = guard.check(command, condition, permission);
             (report.limit, report.guard) = (limit, guarded.reason);
@@ -56,7 +58,7 @@ impl<const SERVOS: usize> Output<SERVOS> {
                 // First, since a Feetech takes no goal before; buses send it behind the goals.
                 bus.command(index, Command::Torque(true)).map_err(Incomplete::Command)?;
             }
-            bus.command(index, command).map_err(Incomplete::Command)?;
+            bus.command(index, belief.sent(command)).map_err(Incomplete::Command)?;
         }
         Ok(())
     }

@@ -5,6 +5,7 @@ use sinew_core::tracker::STANDS_RAD_S;
 use sinew_rig::board::{BoardDof, BoardRig};
 use sinew_servo_bus::{Effort, Health};
 
+use super::controller::Readings;
 use super::error::ControllerError;
 use super::path::Path;
 use super::report::{DofReport, Following as Error, ServoReport};
@@ -154,15 +155,17 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
     }
 
     /// Servos of a tick. `is_on`: with torque.
-    pub(super) fn servos(
+    pub(super) fn servos<const COORDS: usize>(
         &mut self,
         is_on: bool,
-        read: &[(Condition, Health)],
+        readings: &Readings<DOFS, SERVOS, COORDS>,
         findings: &mut Findings,
         out: &mut [ServoReport],
     ) {
         let (silence, beyond_rad) = (self.silence, self.beyond_rad);
-        for (index, ((servo, (condition, health)), out)) in
+        let Readings { healths, conditions, beliefs, .. } = readings;
+        let read = conditions.iter().zip(healths).zip(beliefs);
+        for (index, ((servo, ((condition, health), belief)), out)) in
             self.servos.iter_mut().zip(read).zip(out).enumerate()
         {
             let name = u16::try_from(index).unwrap_or(u16::MAX);
@@ -178,6 +181,9 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
             }
             if health.alert || health.hardware_error != 0 {
                 note(Some(Fault::ServoError));
+            }
+            if belief.is_jumped() {
+                note(Some(Fault::Jump));
             }
             if health.has_stopped {
                 note(Some(Fault::ServoStopped));
@@ -216,7 +222,7 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
                 heat: servo.winding.heat(),
                 voltage_v: servo.supply.filtered_v(),
                 missed: health.missed,
-                not_believed: health.not_believed,
+                not_believed: health.not_believed.saturating_add(belief.count()),
                 last_error: health.last_error,
             };
         }

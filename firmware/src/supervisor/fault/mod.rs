@@ -69,13 +69,15 @@ pub enum Fault {
     TorqueStuck = 21,
     /// The host acknowledges nothing that it is told.
     HostDeaf = 22,
+    /// A servo's readings have jumped to where it cannot be.
+    Jump = 23,
     /// A joint swings. A warning.
     Swing = 64,
 }
 
 impl Fault {
     /// How many there are.
-    pub const COUNT: usize = 23;
+    pub const COUNT: usize = 24;
 
     /// All of them, by number.
     pub const ALL: [Self; Self::COUNT] = [
@@ -101,6 +103,7 @@ impl Fault {
         Self::ServoStopped,
         Self::TorqueStuck,
         Self::HostDeaf,
+        Self::Jump,
         Self::Swing,
     ];
 
@@ -139,6 +142,7 @@ impl Fault {
             Self::ServoStopped => "servo has stopped",
             Self::TorqueStuck => "torque stuck",
             Self::HostDeaf => "host deaf",
+            Self::Jump => "jump",
             Self::Swing => "swing",
         }
     }

@@ -98,5 +98,6 @@ pub const TABLE: &[Row; Fault::COUNT] = &[
     Row { fault: Fault::ServoStopped, reactions: LOWER, clears: Clears::Command },
     Row { fault: Fault::TorqueStuck, reactions: LIMP, clears: Clears::Command },
     Row { fault: Fault::HostDeaf, reactions: STOP, clears: Clears::Command },
+    Row { fault: Fault::Jump, reactions: LOWER, clears: Clears::Command },
     Row { fault: Fault::Swing, reactions: NOTE, clears: Clears::Itself },
 ];

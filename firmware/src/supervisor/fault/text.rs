@@ -42,6 +42,7 @@ impl Fault {
             Self::HostDeaf => {
                 "the host acknowledged no telemetry for 2 s (setting of the link lost)"
             }
+            Self::Jump => "5 readings in a row of a servo are where it cannot have turned to",
             Self::Swing => {
                 "a joint shakes by 0.8 deg and more, 15 to 40 times a second: its gear is too soft for its gains"
             }
@@ -70,6 +71,7 @@ impl Fault {
             Self::ServoStopped => "look at the bus and its cable; keep the record",
             Self::TorqueStuck => "cut its supply; restart the servo, or replace it",
             Self::HostDeaf => "look at the wire from board to host; look at the host",
+            Self::Jump => "look at its horn, its encoder's magnet and the bus; calibrate it",
             Self::Swing => {
                 "tighten its horn and links; lighten what it moves; `sinew board settings set swing_gain 0.5`"
             }

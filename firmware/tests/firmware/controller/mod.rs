@@ -10,6 +10,7 @@ mod anything;
 mod arming;
 pub(crate) mod cell;
 mod dead;
+mod jump;
 mod matrix;
 mod play;
 mod pulses;
