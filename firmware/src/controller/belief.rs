@@ -69,16 +69,24 @@ impl Belief {
         }
     }
 
-    /// What is believed of a reading, behind what was believed `before`.
-    pub(super) fn step(&mut self, before: Option<Feedback>, read: Feedback, dt_s: f32) -> Feedback {
-        let Some(before) = before else {
+    /// What is believed of a reading, behind what was believed `before`. `late`: ticks that were left out. Without torque
+    /// (`is_on`) a jump is told for a while, and then believed.
+    pub(super) fn step(
+        &mut self,
+        before: Option<Feedback>,
+        read: Feedback,
+        (dt_s, late): (f32, u32),
+        is_on: bool,
+    ) -> Feedback {
+        let Some(before) = before.filter(|_| is_on || self.jumped < u8::MAX) else {
+            (self.offset_rad, self.jumped) = (0.0, 0);
             self.way_rad = read.velocity_rad_s * dt_s;
             return read;
         };
         if read.age_ticks > 0 {
             return Feedback { age_ticks: read.age_ticks, ..before };
         }
-        let ticks = before.age_ticks.saturating_add(1) as f32;
+        let ticks = before.age_ticks.saturating_add(1).saturating_add(late) as f32;
         let expected_rad = self.way_rad * ticks;
         let off_rad = read.position_rad - before.position_rad - expected_rad;
         let most_rad = self.rest_rad + self.gained_rad * ticks * ticks + 2.0 * expected_rad.abs();
@@ -110,13 +118,6 @@ impl Belief {
         Feedback { position_rad, velocity_rad_s, ..read }
     }
 
-    /// A tick without torque: when it has been told for long, a jump is believed.
-    pub(super) fn rest(&mut self) {
-        if self.jumped == u8::MAX {
-            (self.offset_rad, self.jumped) = (0.0, 0);
-        }
-    }
-
     /// Whether it has jumped, and stays there.
     pub(super) fn is_jumped(&self) -> bool {
         self.jumped >= MOST
@@ -132,7 +133,9 @@ impl Belief {
         if self.jumped == 0 || !(self.is_own || self.is_jumped()) {
             return command;
         }
-        let offset_rad = self.offset_rad;
+        // For a tick it is sent as far to the other side: as it was pushed it is stopped.
+        let is_first = self.is_own && self.settled == 0;
+        let offset_rad = if is_first { 2.0 * self.offset_rad } else { self.offset_rad };
         match command {
             Command::Position(rad) => Command::Position(rad + offset_rad),
             Command::PositionAt { position_rad, speed_rad_s } => Command::PositionAt {

@@ -65,6 +65,8 @@ pub struct MotionController<
     rig_crc: u32,
     dt_s: f32,
     tick_us: u32,
+    /// Time of the last tick, and ticks that were left out before it.
+    last: (u64, u32),
     supervisor: Supervisor,
     watch: Watch<DOFS, SERVOS>,
     path: Path<DOFS, COORDS>,
@@ -145,6 +147,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             rig_crc: 0,
             dt_s: 0.0,
             tick_us: 0,
+            last: (0, 0),
             supervisor,
             watch: Watch::default(),
             sources: Sources::new(path.now(), SoftStart::default()),
@@ -266,7 +269,12 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         live: &mut impl LiveSource,
         bus: &mut impl ServoBus,
     ) -> Begun {
-        let is_finite = self.read(bus);
+        let since_us = inputs.now_us.saturating_sub(self.last.0);
+        let late = since_us.checked_div(self.tick_us.into()).unwrap_or(0).saturating_sub(1);
+        let late = u32::try_from(late).unwrap_or(u32::MAX);
+        // What is read now is of the tick before: so is how late it was.
+        let last = core::mem::replace(&mut self.last, (inputs.now_us, late));
+        let is_finite = self.read(bus, last.1);
         let mut findings = self.find(inputs, is_finite);
         let jog = inputs.jog.filter(|jog| jog.speed.is_finite());
         if !self.sources.listen(inputs.now_us, live) || jog.is_some() != inputs.jog.is_some() {
@@ -357,20 +365,19 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         self.readings.pose.q()
     }
 
-    /// Takes what the bus knows; says whether all of it are numbers.
-    fn read(&mut self, bus: &impl ServoBus) -> bool {
+    /// Takes what the bus knows; says whether all of it are numbers. `late`: ticks that were left out.
+    fn read(&mut self, bus: &impl ServoBus, late: u32) -> bool {
         let Readings { healths, conditions, beliefs, dofs, pose, tracked } = &mut self.readings;
+        let is_on = self.permission.torque;
         healths.clear();
         // Servos of a rig are counted: there is room.
         let _ = conditions.resize(beliefs.len(), Condition::default());
         for (servo, (condition, belief)) in conditions.iter_mut().zip(beliefs).enumerate() {
             let before = condition.feedback;
             *condition = Condition::of(bus, servo);
-            if !self.permission.torque {
-                belief.rest();
-            }
             let read = condition.feedback;
-            condition.feedback = read.map(|read| belief.step(before, read, self.dt_s));
+            condition.feedback =
+                read.map(|read| belief.step(before, read, (self.dt_s, late), is_on));
             let _ = healths.push(bus.health(servo).unwrap_or_default());
         }
         if self.performance.drives.measured(conditions, dofs).is_err() {

@@ -32,6 +32,7 @@ fn numbers_are_never_changed() {
         (20, "servo has stopped"),
         (21, "torque stuck"),
         (22, "host deaf"),
+        (23, "jump"),
         (64, "swing"),
     ];
     assert!(Fault::ALL.map(|fault| (fault.number(), fault.name())).into_iter().eq(names));

@@ -6,6 +6,7 @@ use sinew_firmware::controller::Start;
 use sinew_firmware::supervisor::{
     Clears, Command, Fault, FaultSet, Feed, Operator, Reaction, State,
 };
+use sinew_servo_bus::ServoBus;
 use sinew_servo_sim::fault::{Fault as Damage, FaultKind};
 
 use super::cell::{Tried, measure, must_be, row, table};
@@ -34,7 +35,7 @@ fn excuse(fault: Fault, state: State) -> Option<&'static str> {
 }
 
 /// A stand in a state. In `Off` a servo was never read.
-fn stand_in(state: State, fault: Fault) -> TestRig {
+pub(super) fn stand_in(state: State, fault: Fault) -> TestRig {
     let causes = match fault {
         Fault::WatchdogReset | Fault::BrownOut | Fault::Panic => FaultSet::of(fault),
         _ => FaultSet::EMPTY,
@@ -103,17 +104,20 @@ fn plant(test_rig: &mut TestRig, fault: Fault, on: bool) {
         Fault::HotWinding => Planted { current_a: Some(147.0), ..Planted::default() },
         Fault::SupplyLow => Planted { volts: Some(3.0), ..Planted::default() },
         Fault::SupplyHigh => Planted { volts: Some(8.0), ..Planted::default() },
-        // A slip is taken for the hand's lead; an encoder that swings is ahead of what any hand leads.
-        Fault::FollowingError if is_led => Planted { off_rad: [0.7, -0.7], ..Planted::default() },
-        // A horn that has slipped by 50 deg: it is not back within 15 while the fault is looked for.
-        Fault::FollowingError => Planted { off_rad: [0.87; 2], ..Planted::default() },
+        // It runs away by 30 deg, and stands there. What is led follows: it is ahead of any hand for long enough.
+        Fault::FollowingError => {
+            let is_rad = test_rig.bus.feedback(0).unwrap().position_rad;
+            let far_rad = if is_led { 2.0 } else { 0.52 };
+            let to_rad = is_rad + if is_rad < std::f32::consts::PI { far_rad } else { -far_rad };
+            Planted { runs_to_rad: Some(to_rad), ..Planted::default() }
+        }
         Fault::Swing => {
             // Of a hand's lead no more than the haste is left.
             let swing_rad = if is_led { 0.05 } else { 0.01 };
             Planted { swing_rad: Some(swing_rad), ..Planted::default() }
         }
         Fault::Range => {
-            Planted { position_rad: Some(std::f32::consts::PI + 2.9), ..Planted::default() }
+            Planted { runs_to_rad: Some(std::f32::consts::PI + 2.9), ..Planted::default() }
         }
         Fault::NotFinite => Planted { position_rad: Some(f32::NAN), ..Planted::default() },
         _ => Planted::default(),
@@ -127,6 +131,15 @@ fn plant(test_rig: &mut TestRig, fault: Fault, on: bool) {
                 test_rig.bench.faults.clear();
             }
             let kind = FaultKind::Silent;
+            test_rig.bench.faults.push(Damage { servo: 0, at_s, for_s: f64::INFINITY, kind });
+        }
+        Fault::Jump => {
+            if !on {
+                test_rig.bench.faults.clear();
+                // It is told for so long.
+                test_rig.run(1.0);
+            }
+            let kind = FaultKind::EncoderJump(5_f64.to_radians());
             test_rig.bench.faults.push(Damage { servo: 0, at_s, for_s: f64::INFINITY, kind });
         }
         Fault::TorqueStuck if on => {
@@ -223,7 +236,7 @@ fn clear(test_rig: &mut TestRig, fault: Fault) {
     // Found at the start alone, or as long as torque is on.
     let was_found_once = matches!(
         fault,
-        Fault::WatchdogReset | Fault::BrownOut | Fault::Panic | Fault::FollowingError
+        Fault::WatchdogReset | Fault::BrownOut | Fault::Panic | Fault::FollowingError | Fault::Jump
     );
     if row.clears == Clears::Command && !was_found_once {
         test_rig.tick(Some(Command::ClearFaults));

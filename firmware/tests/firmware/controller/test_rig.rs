@@ -60,8 +60,8 @@ pub(crate) fn figure(kind: Kind) -> &'static Figure {
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Planted {
     pub(crate) position_rad: Option<f32>,
-    /// How far it is off, in every other tick each.
-    pub(crate) off_rad: [f32; 2],
+    /// It runs away to there, as fast as a servo may that is pushed.
+    pub(crate) runs_to_rad: Option<f32>,
     /// It swings by this either way, 16 times a second, with 0.3 A.
     pub(crate) swing_rad: Option<f32>,
     pub(crate) current_a: Option<f32>,
@@ -73,20 +73,25 @@ pub(crate) struct Planted {
     pub(crate) is_unknown: bool,
 }
 
-/// Ticks of half a swing: of 16 Hz, at 400 ticks a second.
-const SWING_TICKS: u32 = 12;
+/// Ticks of a swing: of 16 Hz, at 400 ticks a second.
+const SWING_TICKS: u32 = 24;
+/// The most that a position runs in a tick, rad, and by how much more than in the tick before.
+const RUNS_RAD: (f32, f32) = (0.06, 0.008);
 
 /// A bus with something wrong.
 pub(crate) struct Bus {
     own: arm::Bus,
     pub(crate) planted: Planted,
+    /// Of a swing.
     ticks: u32,
+    /// A position that runs away, and how far in the last tick, rad.
+    runs: Option<(f32, f32)>,
 }
 
 impl From<arm::Bus> for Bus {
     /// Nothing is wrong yet.
     fn from(own: arm::Bus) -> Self {
-        Self { own, planted: Planted::default(), ticks: 0 }
+        Self { own, planted: Planted::default(), ticks: 0, runs: None }
     }
 }
 
@@ -102,7 +107,14 @@ impl ServoBus for Bus {
         self.own.command(servo, command)
     }
     fn plan(&mut self, out: &mut [u8]) -> Result<Request, EncodeError> {
-        self.ticks = self.ticks.wrapping_add(1);
+        self.ticks = self.planted.swing_rad.map_or(0, |_| self.ticks.wrapping_add(1));
+        self.runs = self.planted.runs_to_rad.and_then(|to_rad| {
+            let is_rad = self.own.feedback(0)?.position_rad;
+            let (from_rad, way_rad) = self.runs.unwrap_or((is_rad, 0.0));
+            let way_rad = (way_rad.abs() + RUNS_RAD.1).min(RUNS_RAD.0);
+            let way_rad = (to_rad - from_rad).clamp(-way_rad, way_rad);
+            Some((from_rad + way_rad, way_rad))
+        });
         self.own.plan(out)
     }
     fn plan_more(&mut self, left_us: u32, out: &mut [u8]) -> Result<Option<Request>, EncodeError> {
@@ -119,18 +131,20 @@ impl ServoBus for Bus {
     }
     fn feedback(&self, servo: usize) -> Option<Feedback> {
         let read = self.own.feedback(servo)?;
-        let Planted { position_rad, off_rad, swing_rad, current_a, is_unknown, .. } = self.planted;
+        let Planted { position_rad, swing_rad, current_a, is_unknown, .. } = self.planted;
         if servo > 0 {
             return Some(read);
         }
-        let mut off_rad = off_rad[usize::from(!self.ticks.is_multiple_of(2))];
-        let mut current_a = current_a;
+        let (mut is_rad, mut current_a) = (read.position_rad, current_a);
         if let Some(swing_rad) = swing_rad {
-            let sign = if (self.ticks / SWING_TICKS).is_multiple_of(2) { 1.0 } else { -1.0 };
-            (off_rad, current_a) = (sign * swing_rad, Some(-0.3 * sign));
+            let phase = (self.ticks % SWING_TICKS) as f32 / SWING_TICKS as f32;
+            let part = (std::f32::consts::TAU * phase).sin();
+            is_rad += part * swing_rad;
+            current_a = Some(-0.3 * part);
         }
+        is_rad = self.runs.map_or(is_rad, |(runs_rad, _)| runs_rad);
         (!is_unknown).then_some(Feedback {
-            position_rad: position_rad.unwrap_or(read.position_rad + off_rad),
+            position_rad: position_rad.unwrap_or(is_rad),
             effort: current_a.map_or(read.effort, Effort::Current),
             ..read
         })

@@ -80,17 +80,14 @@ fn faults_cleared_while_the_rig_is_lowered_are_cleared_in_flash() {
 fn of_two_in_a_tick_flash_has_the_same_first_as_the_supervisor() {
     let mut world = holding();
     world.pins.is_stopped = true;
-    // The emergency stop, and a servo beyond its range.
+    // The emergency stop, and a servo's own error.
     let (_, bus) = world.board.control.as_mut().unwrap();
-    bus.planted.position_rad = Some(std::f32::consts::PI + 2.9);
+    bus.planted.alert = true;
     world.run(0.1);
     let log = *world.board.control.as_ref().unwrap().0.controller().supervisor().log();
     let before = log.first().unwrap();
-    assert_eq!(before.fault.number(), 10);
-    assert_eq!(
-        log.last().take(2).map(|record| record.fault.number()).collect::<Vec<_>>(),
-        [16, 10]
-    );
+    assert_eq!(before.fault.number(), 4);
+    assert_eq!(log.last().take(2).map(|record| record.fault.number()).collect::<Vec<_>>(), [16, 4]);
     assert_eq!(kept(&mut world).0.fault, before.fault);
 }
 

@@ -67,7 +67,7 @@ fn why_it_differs(fault: Fault) -> Option<&'static str> {
         ServoError => "what is told in a tick counts in the next",
         HotMeasured | SupplyLow | SupplyHigh => "it is asked once in six ticks",
         HotWinding => "a reading holds 32.8 A, not 147",
-        FollowingError | Range => "a jump is believed when it is read again",
+        FollowingError | Range => "it runs by whole steps",
         NotFinite => "integers are finite",
         SettingsBad => "uploads count at a start",
         ShowBad | ShowForeign => "the desk opens it first",
@@ -235,27 +235,22 @@ fn plant(world: &mut World, fault: Fault) {
         Fault::HotWinding => Lie { milliamps: Some([i16::MAX; 2]), ..Lie::default() },
         Fault::SupplyLow => Lie { decivolts: Some(30), ..Lie::default() },
         Fault::SupplyHigh => Lie { decivolts: Some(80), ..Lie::default() },
-        // An encoder that stands, 30 deg nearer to its middle than it is; and one 166 deg from there.
+        // It runs away by 30 deg, and stands there. What is led follows: it is ahead of any hand for long enough.
         Fault::FollowingError => {
             let is = world.bench.servos()[0].get(PRESENT_POSITION);
-            let tells = if is < 2048 { is + 342 } else { is - 342 };
-            let stands = Lie { positions: Some([tells; 2]), ..Lie::default() };
-            if world.state() == Some(State::Floating) {
-                // That is taken for the hand's lead; what swings around it, as far either way, is ahead of any hand.
-                world.told.lie = stands;
-                world.run(0.5);
-                Lie { positions: Some([is, 2 * tells - is]), ..stands }
-            } else {
-                stands
-            }
+            let far = if world.state() == Some(State::Floating) { 1300 } else { 342 };
+            let to = if is < 2048 { is + far } else { is - far };
+            Lie { runs_to: Some(to), ..Lie::default() }
         }
+        // 5 deg.
+        Fault::Jump => Lie { off: 57, ..Lie::default() },
         Fault::Swing => {
             let is = world.bench.servos()[0].get(PRESENT_POSITION);
             let far = if world.state() == Some(State::Floating) { 30 } else { 8 };
             let positions = Some([is - far, is + far]);
             Lie { positions, milliamps: Some([300, -300]), ..Lie::default() }
         }
-        Fault::Range => Lie { positions: Some([3938; 2]), ..Lie::default() },
+        Fault::Range => Lie { runs_to: Some(3938), ..Lie::default() },
         _ => world.told.lie,
     };
     world.told.lie = lie;

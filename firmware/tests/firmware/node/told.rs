@@ -12,8 +12,12 @@ pub(crate) struct Lie {
     pub(crate) celsius: Option<u8>,
     pub(crate) decivolts: Option<u16>,
     pub(crate) milliamps: Option<[i16; 2]>,
-    /// In some answers the one, in as many the other.
+    /// It swings between the one and the other, a swing in 16 answers.
     pub(crate) positions: Option<[i32; 2]>,
+    /// It runs away to there, as fast as a servo may that is pushed.
+    pub(crate) runs_to: Option<i32>,
+    /// It is so far off.
+    pub(crate) off: i32,
 }
 
 #[derive(Default)]
@@ -21,8 +25,10 @@ pub(crate) struct Told {
     pub(crate) lie: Lie,
     /// What was asked of one servo.
     asked: Option<u16>,
-    /// Answers of servo 0 so far.
+    /// Answers of servo 0 since it lies.
     answers: usize,
+    /// A position that runs away, and how far in the last answer.
+    runs: Option<[i32; 2]>,
     /// Of the answer of all in one packet, as far as it has come.
     fast: Option<Crc>,
 }
@@ -32,8 +38,10 @@ const READ: u8 = 0x02;
 const ID: u8 = 1;
 /// Bytes in front of error and data of a status.
 const HEAD: usize = 8;
-/// Answers with the same lie about a position: a jump is believed when it is read again.
+/// Answers in half a swing.
 const EACH: usize = 8;
+/// The most that a position runs from one answer to the next, and by how much more than before.
+const RUNS: [i32; 2] = [40, 5];
 const OVERLOAD: u8 = 1 << 5;
 
 impl Told {
@@ -47,6 +55,9 @@ impl Told {
     /// What comes of what a servo says.
     pub(crate) fn told(&mut self, said: &[u8]) -> Vec<u8> {
         let mut said = said.to_vec();
+        if self.lie == Lie::default() {
+            (self.runs, self.answers) = (None, 0);
+        }
         if self.lie == Lie::default() || said.len() < 5 {
             return said;
         }
@@ -60,7 +71,7 @@ impl Told {
                 said[HEAD] |= u8::from(self.lie.alert) << 7;
                 let end = said.len() - 2;
                 let address = self.asked.unwrap_or(address::PRESENT_CURRENT);
-                self.lie.change(address, self.answers / EACH % 2, &mut said[data..end]);
+                self.change(address, &mut said[data..end]);
                 self.answers += 1;
             }
             self.fast = is_fast.then(Crc::default);
@@ -76,26 +87,37 @@ impl Told {
         self.fast = self.fast.map(|_| crc);
         said
     }
-}
 
-impl Lie {
-    fn change(self, from: u16, phase: usize, data: &mut [u8]) {
+    fn change(&mut self, from: u16, data: &mut [u8]) {
+        let lie = self.lie;
         match (from, data) {
             (address::PRESENT_CURRENT, [c0, c1, _, _, _, _, position @ ..]) => {
-                if let Some(current) = self.milliamps {
-                    [*c0, *c1] = current[phase].to_le_bytes();
+                if let Some(current) = lie.milliamps {
+                    [*c0, *c1] = current[self.answers / EACH % 2].to_le_bytes();
                 }
-                if let Some(positions) = self.positions {
-                    position.copy_from_slice(&positions[phase].to_le_bytes());
+                let Ok(bytes) = <[u8; 4]>::try_from(&*position) else { return };
+                let mut is = i32::from_le_bytes(bytes) + lie.off;
+                if let Some([one, other]) = lie.positions {
+                    let phase = (self.answers % (2 * EACH)) as f64 / EACH as f64;
+                    let half = 0.5 * f64::from(other - one) * (std::f64::consts::PI * phase).sin();
+                    is = i32::midpoint(one, other) + half.round() as i32;
                 }
+                self.runs = lie.runs_to.map(|to| {
+                    let [from, way] = self.runs.unwrap_or([is, 0]);
+                    let most = (way.abs() + RUNS[1]).min(RUNS[0]);
+                    let way = (to - from).clamp(-most, most);
+                    [from + way, way]
+                });
+                is = self.runs.map_or(is, |[runs, _]| runs);
+                position.copy_from_slice(&is.to_le_bytes());
             }
             (address::PRESENT_VOLTAGE, [low, high, celsius]) => {
-                if let Some(decivolts) = self.decivolts {
+                if let Some(decivolts) = lie.decivolts {
                     [*low, *high] = decivolts.to_le_bytes();
                 }
-                *celsius = self.celsius.unwrap_or(*celsius);
+                *celsius = lie.celsius.unwrap_or(*celsius);
             }
-            (address::HARDWARE_ERROR, [bits]) if self.alert => *bits = OVERLOAD,
+            (address::HARDWARE_ERROR, [bits]) if lie.alert => *bits = OVERLOAD,
             _ => {}
         }
     }
