@@ -21,13 +21,16 @@ use super::stop_test::StopTest;
 use super::watch::Watch;
 use crate::drives::{Condition, Measured};
 use crate::supervisor::{
-    Command, Fault, FaultSet, Findings, Inputs as Supervised, Outcome, Permission, Registers,
-    Source, State, Supervisor,
+    Command, Fault, FaultSet, Findings, Inputs as Supervised, Outcome, Overload, Permission,
+    Registers, Source, State, Supervisor,
 };
 use crate::watchdog::Complete;
 
 /// Bytes of a packet that switches the torque of all servos, at most: head, and two for each.
 const SWITCH: (u32, u32) = (14, 2);
+
+/// Parts of the way to a show's first pose, at whose ends the rig must be held.
+const WAY: u8 = 4;
 
 /// What a tick brings from outside.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -441,6 +444,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             self.path.moving(self.readings.pose.qd(), self.watch.rest_rad_s)
         };
         self.report.moving = moving;
+        let is_asked = inputs.command == Some(Command::Arm) && !self.permission.torque;
+        let overload = if is_asked { self.overload() } else { None };
         self.stop_test.look(self.watch.telling(&self.readings.conditions));
         self.supervisor.step(&Supervised {
             now_us: inputs.now_us,
@@ -452,9 +457,25 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             registers,
             stop_tested: self.stop_test.is_passed(),
             moving,
+            overload,
             feeds: self.sources.feeds(jog, plays_show),
             carries: self.performance.carries(),
             is_there: self.is_there,
+        })
+    }
+
+    /// What cannot be held where the rig is, in the first pose of its show, or at some places between.
+    #[inline(never)]
+    fn overload(&mut self) -> Option<Overload> {
+        let Self { sources, path, watch, performance, .. } = self;
+        let first = sources.first();
+        let to = first.unwrap_or(path.now().q());
+        let poses = if first.is_some() { WAY } else { 0 };
+        (0..=poses).find_map(|pose| {
+            let mut q = [0.0; COORDS];
+            let q = q.get_mut(..to.len()).unwrap_or_default();
+            path.between(to, f32::from(pose) / f32::from(WAY), q);
+            performance.overload(path, q, |servo| watch.stall_a(servo), watch.supply_a)
         })
     }
 

@@ -178,6 +178,12 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         i32::try_from(self.ticks.saturating_sub(self.run_in >> 1)).unwrap_or(i32::MAX)
     }
 
+    /// The first pose of the show, at rest.
+    pub(super) fn first(&mut self) -> Option<&[f32]> {
+        self.goal.take(self.show.as_mut()?.frame(-1));
+        Some(self.goal.q())
+    }
+
     /// Whether a joint of the show's first frame is faster than from standing still it may be.
     fn starts_at_speed(&mut self, path: &Path<DOFS, COORDS>) -> bool {
         let Some(frames) = &mut self.show else { return false };

@@ -156,6 +156,22 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
         }
     }
 
+    /// A pose on the way from where it stands to another, so much of it.
+    pub(super) fn between(&self, to: &[f32], part: f32, q: &mut [f32]) {
+        let from = self.now.q();
+        for own in &self.parts {
+            match *own {
+                JointIndices::Number { q: at, .. } => {
+                    put(q, at, number(from, at) + part * (number(to, at) - number(from, at)));
+                }
+                JointIndices::Turn { q: at, .. } => {
+                    let (from, to) = (turn(from, at), turn(to, at));
+                    put_turn(q, at, math::unit(from * math::exp(between(from, to) * part)));
+                }
+            }
+        }
+    }
+
     /// Stands in a pose, or where the ranges are next to it.
     pub(super) fn place(&mut self, q: &[f32]) {
         let Self { parts, dofs, now, from, .. } = self;

@@ -6,6 +6,7 @@ use sinew_core::dynamics::{BodyMotion, inverse_dynamics};
 use sinew_core::tracker::{Measured as Reading, Timing, Tracker, TrackerError};
 use sinew_core::{JointStates, Twist, Wrench};
 use sinew_rig::board::BoardRig;
+use sinew_rig::drive::Numbers;
 
 use super::coordinates::number;
 use super::error::ControllerError;
@@ -14,6 +15,7 @@ use super::pose::Pose;
 use super::report::DofReport;
 use super::settings::{ControllerSettings, ServoSetup};
 use crate::drives::{Class, Condition, Drives, Limit, ServoCommand, ServoDrive};
+use crate::supervisor::Overload;
 
 /// One more than the longest latency in ticks.
 const DELAYS: usize = 8;
@@ -183,7 +185,6 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         share: impl Fn(usize) -> f32,
         report: &mut [DofReport],
     ) -> Result<&[Option<ServoCommand>], NotFinite> {
-        let tree = self.rig.tree();
         let count = self.rig.dofs().len();
         let mut efforts = [0.0; DOFS];
         let efforts = efforts.get_mut(..count).unwrap_or_default();
@@ -192,9 +193,24 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
             // It is where it should be: no friction is fed forward for a way back.
             *command = DofCommand { position: *position, ..DofCommand::default() };
         }
+        self.weights(q, efforts)?;
+        for (index, (command, dof)) in self.commands.iter_mut().zip(self.rig.dofs()).enumerate() {
+            let weight = number(efforts, index).max(-dof.effort).min(dof.effort);
+            (command.feedforward_effort, command.feedback_effort) = (weight, number(walls, index));
+        }
+        for (command, report) in self.commands.iter().zip(report) {
+            report.effort = command.effort();
+        }
+        self.drive(conditions, share)
+    }
+
+    /// By dof, what holds a pose by the rig's model, N m or N. O(dofs).
+    #[inline(never)]
+    fn weights(&self, q: &[f32], efforts: &mut [f32]) -> Result<(), NotFinite> {
+        let tree = self.rig.tree();
         let mut states = JointStates::rest(tree);
         let resting = [0.0; DOFS];
-        let resting = resting.get(..count).unwrap_or_default();
+        let resting = resting.get(..efforts.len()).unwrap_or_default();
         states.set_coordinates(tree, q, resting).map_err(|_| NotFinite)?;
         let (mut motions, mut wrenches) = ([BodyMotion::default(); BODIES], [Wrench::ZERO; BODIES]);
         let (bodies, at_rest) = (tree.bodies(), [Twist::ZERO; BODIES]);
@@ -209,15 +225,55 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
             &mut wrenches,
         );
         let wrenches = wrenches.get(..bodies.len()).unwrap_or_default();
-        tree.efforts(states.as_slice(), wrenches, efforts).map_err(|_| NotFinite)?;
-        for (index, (command, dof)) in self.commands.iter_mut().zip(self.rig.dofs()).enumerate() {
-            let weight = number(efforts, index).max(-dof.effort).min(dof.effort);
-            (command.feedforward_effort, command.feedback_effort) = (weight, number(walls, index));
+        tree.efforts(states.as_slice(), wrenches, efforts).map_err(|_| NotFinite)
+    }
+
+    /// What servos or supply cannot hold of a pose: the joint that asks most of a servo, or else the sum of currents.
+    /// `stall_a`: of each servo; `supply_a`: 0 where it is not known. Friction is left out. O(dofs).
+    #[inline(never)]
+    pub(super) fn overload<const COORDS: usize>(
+        &self,
+        path: &Path<DOFS, COORDS>,
+        q: &[f32],
+        stall_a: impl Fn(usize) -> f32,
+        supply_a: f32,
+    ) -> Option<Overload> {
+        let (mut efforts, mut at) = ([0.0; DOFS], [0.0; DOFS]);
+        let efforts = efforts.get_mut(..self.rig.dofs().len()).unwrap_or_default();
+        self.weights(q, efforts).ok()?;
+        path.positions(q, &mut at);
+        let (mut most, mut found) = (1.0, None);
+        let (mut sum_a, mut most_a, mut thirstiest) = (0.0, 0.0, 0);
+        for drive in self.rig.drives() {
+            let dof = drive.dofs.first().copied().unwrap_or(0);
+            let of = |numbers: &[f32]| -> Numbers {
+                drive.dofs.iter().map(|dof| number(numbers, usize::from(*dof))).collect()
+            };
+            let Ok(pose) = drive.drive.at_joints(&of(&at)) else { continue };
+            let Ok(torques) = pose.servo_torques(&of(efforts)) else { continue };
+            let mut own_a = 0.0;
+            for (index, shaft_nm) in drive.servos.iter().zip(&torques) {
+                let index = usize::from(*index);
+                let Some(servo) = self.rig.servos().get(index) else { continue };
+                let own = servo.servo.settings();
+                let nm = (shaft_nm / own.gear).abs();
+                let share = nm / own.torque_nm;
+                if share > most {
+                    let [mnm, most_mnm] = [nm, own.torque_nm].map(thousandths);
+                    (most, found) = (share, Some(Overload::Servo { dof, mnm, most_mnm }));
+                }
+                // At stall it draws its stall current from the supply, with less torque less of its voltage, too.
+                let a = nm / own.torque_constant_nm_a;
+                own_a += a * a / stall_a(index);
+            }
+            sum_a += own_a;
+            if own_a > most_a {
+                (most_a, thirstiest) = (own_a, dof);
+            }
         }
-        for (command, report) in self.commands.iter().zip(report) {
-            report.effort = command.effort();
-        }
-        self.drive(conditions, share)
+        let is_much = supply_a > 0.0 && sum_a > supply_a;
+        let [ma, most_ma] = [sum_a, supply_a].map(thousandths);
+        found.or(is_much.then_some(Overload::Supply { dof: thirstiest, ma, most_ma }))
     }
 
     /// What the servos are commanded, and what part of their currents they get.
@@ -267,6 +323,11 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
 /// further with each tick of less current.
 fn gives_its_most(servo: &ServoCommand) -> bool {
     matches!(servo.limit, Some(Limit::Torque | Limit::Current | Limit::Voltage | Limit::Stale))
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it saturates")]
+fn thousandths(of: f32) -> u32 {
+    (of * 1e3) as u32
 }
 
 fn class(servos: &[ServoDrive], servo: u16) -> Option<Class> {

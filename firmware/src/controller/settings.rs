@@ -34,6 +34,8 @@ pub struct ControllerSettings {
     pub beyond_rad: f32,
     /// The feedback of a joint that swings is lowered to this part, from 0.1 to 1: 1 for nothing.
     pub swing_gain: f32,
+    /// What the supply gives, A: a rig that takes more to be held is not armed. 0 if it is not known.
+    pub supply_a: f32,
     /// What a tick takes the board besides its bus, µs.
     pub compute_us: u32,
     /// The last four bytes of the rig's compact form, which a show must carry.
@@ -54,6 +56,7 @@ impl Default for ControllerSettings {
             blind_s: 2.0,
             beyond_rad: 0.052,
             swing_gain: 1.0,
+            supply_a: 0.0,
             compute_us: 500,
             rig_crc: 0,
         }
@@ -74,7 +77,8 @@ impl ControllerSettings {
         SettingError::check("stale_s", self.stale_s, [least_s, 10.0])?;
         SettingError::check("blind_s", self.blind_s, [0.1, 60.0])?;
         SettingError::check("beyond_rad", self.beyond_rad, [0.0, 0.5])?;
-        SettingError::check("swing_gain", self.swing_gain, [0.1, 1.0])
+        SettingError::check("swing_gain", self.swing_gain, [0.1, 1.0])?;
+        SettingError::check("supply_a", self.supply_a, [0.0, 1e3])
     }
 
     /// The fastest joint with which a rig is armed, rad/s: the soft speed, since nothing moves faster while it is

@@ -34,6 +34,8 @@ pub(super) struct Watch<const DOFS: usize, const SERVOS: usize> {
     beyond_rad: f32,
     /// The fastest joint with which a rig is armed, rad/s.
     pub(super) rest_rad_s: f32,
+    /// What the supply gives, A; 0 if it is not known.
+    pub(super) supply_a: f32,
 }
 
 /// One dof, and what is found of it.
@@ -114,6 +116,7 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
             stands_ticks: u16::try_from(ticks(STANDS_S)).unwrap_or(u16::MAX),
             beyond_rad: settings.beyond_rad,
             rest_rad_s: settings.rest_rad_s(),
+            supply_a: settings.supply_a,
         })
     }
 
@@ -125,6 +128,11 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
     /// What part of its effort a servo may give.
     pub(super) fn share(&self, servo: usize) -> f32 {
         self.servos.get(servo).map_or(0.0, |servo| servo.derated.share)
+    }
+
+    /// The current of a servo at stall, A.
+    pub(super) fn stall_a(&self, servo: usize) -> f32 {
+        self.servos.get(servo).map_or(f32::INFINITY, |servo| servo.stall_a)
     }
 
     /// The first servo of a dof.

@@ -17,7 +17,7 @@ const EACH: usize = 6;
 pub const SETTINGS_MAX: usize = EACH * SETTING_NAMES.len();
 
 /// All settings by key, from 1, with the unit behind the name.
-pub const SETTING_NAMES: [&str; 19] = [
+pub const SETTING_NAMES: [&str; 20] = [
     "link_hold_s",
     "link_limp_s",
     "enable_s",
@@ -37,6 +37,7 @@ pub const SETTING_NAMES: [&str; 19] = [
     "live_stale_s",
     "float_rad_s",
     "swing_gain",
+    "supply_a",
 ];
 
 /// The meaning of each of [`SETTING_NAMES`], for people: a board has no words.
@@ -60,6 +61,7 @@ pub const SETTING_TEXTS: [&str; SETTING_NAMES.len()] = [
     "without a new frame for so long a live source is stale",
     "the fastest joint that is led by hand while the rig carries itself",
     "the part to which the feedback of a joint that swings is lowered",
+    "what the supply gives: a rig that takes more to be held is not armed; 0 if it is not known",
 ];
 
 /// What a node can be told. The rest of [`ControllerSettings`] is the board's: bus, servos, tracker.
@@ -195,6 +197,7 @@ impl NodeSettings {
             blind_s,
             beyond_rad,
             swing_gain,
+            supply_a,
             ..
         } = &mut self.controller;
         Some(match key {
@@ -217,6 +220,7 @@ impl NodeSettings {
             17 => &mut self.live_stale_s,
             18 => &mut supervisor.float_rad_s,
             19 => swing_gain,
+            20 => supply_a,
             _ => return None,
         })
     }

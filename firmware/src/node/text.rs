@@ -12,7 +12,7 @@ use crate::controller::{DofReport, ServoReport};
 use crate::drives;
 use crate::supervisor::detect::Concern;
 use crate::supervisor::{
-    self, Fault, FaultRecord, Feed, Moving, Operator, Refused, RegisterDiffers, State,
+    self, Fault, FaultRecord, Feed, Moving, Operator, Overload, Refused, RegisterDiffers, State,
 };
 
 pub(super) fn state(state: State) -> message::State {
@@ -106,6 +106,12 @@ pub(super) fn refused(why: Refused) -> Refusal {
         Refused::StopUntested => Refusal::StopUntested,
         Refused::Moving(Moving { dof, mrad_s, most_mrad_s }) => {
             Refusal::Moving { dof, mrad_s, most_mrad_s }
+        }
+        Refused::Overload(Overload::Servo { dof, mnm, most_mnm }) => {
+            Refusal::Overload { dof, mnm, most_mnm }
+        }
+        Refused::Overload(Overload::Supply { dof, ma, most_ma }) => {
+            Refusal::Supply { dof, ma, most_ma }
         }
         Refused::FeedSilent(Feed::Show) => Refusal::FeedSilent(message::Feed::Show),
         Refused::FeedSilent(Feed::Live) => Refusal::FeedSilent(message::Feed::Live),

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::{Fault, Feed, Moving, Operator, RegisterDiffers, State};
+use super::{Fault, Feed, Moving, Operator, Overload, RegisterDiffers, State};
 
 /// What people ask of the supervisor. Each gets an [`Answer`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -55,6 +55,8 @@ pub enum Refused {
     StopUntested,
     /// It still moves by itself.
     Moving(Moving),
+    /// Its servos or its supply cannot hold it.
+    Overload(Overload),
     /// The feed gives no poses.
     FeedSilent(Feed),
     /// Some servo takes a position alone, and no effort.
@@ -90,6 +92,10 @@ impl fmt::Display for Refused {
             Self::Moving(moving) => {
                 write!(f, "the rig is moving: {moving}; wait until it rests")
             }
+            Self::Overload(overload) => write!(
+                f,
+                "the rig cannot be held where it is, or on the way to the show's first pose: {overload}"
+            ),
             Self::FeedSilent(feed) => write!(f, "the feed ({feed}) gives no poses: start it first"),
             Self::NoEffort => f.write_str(
                 "not every servo takes an effort: what is driven by position cannot float; teach it limp",

@@ -1,6 +1,6 @@
 //! What a tick brings to a mode.
 
-use super::{Command, FaultSet, Feed, Moving, Registers};
+use super::{Command, FaultSet, Feed, Moving, Overload, Registers};
 
 /// What a tick brings. Clocks come as what they say about the state before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -21,6 +21,8 @@ pub struct Event {
     pub stop_tested: bool,
     /// A joint that moves too fast to be armed.
     pub moving: Option<Moving>,
+    /// What servos or supply cannot hold. Asked for by arming alone.
+    pub overload: Option<Overload>,
     /// Which feeds give poses.
     pub feeds: Feeds,
     /// Every servo takes an effort, so that the rig can carry itself. Asked for by floating alone.

@@ -62,6 +62,7 @@ mod event;
 mod fault;
 mod guard;
 mod moving;
+mod overload;
 mod permission;
 mod registers;
 mod settings;
@@ -78,6 +79,7 @@ pub use guard::{
     GoalLimits, Guard, GuardLimits, GuardReason, GuardSettings, Guarded, VoltageLimits,
 };
 pub use moving::Moving;
+pub use overload::Overload;
 pub use permission::Permission;
 pub use registers::{RegisterDiffers, Registers};
 pub use settings::{SOFT_MOST_RAD_S, Settings};

@@ -3,7 +3,8 @@
 use super::fault::{FaultLog, FaultRecord, Findings, reacting};
 use super::permission::Permission;
 use super::{
-    Answer, Command, Event, Fault, FaultSet, Feeds, Mode, Moving, Registers, Settings, State,
+    Answer, Command, Event, Fault, FaultSet, Feeds, Mode, Moving, Overload, Registers, Settings,
+    State,
 };
 use crate::SettingError;
 
@@ -33,6 +34,8 @@ pub struct Inputs {
     pub stop_tested: bool,
     /// A joint that moves too fast to be armed. Asked for by arming alone.
     pub moving: Option<Moving>,
+    /// What servos or supply cannot hold. Asked for by arming alone.
+    pub overload: Option<Overload>,
     /// Which feeds give poses.
     pub feeds: Feeds,
     /// Every servo takes an effort, so that the rig can carry itself. Asked for by floating alone.
@@ -168,6 +171,7 @@ impl Supervisor {
             registers: inputs.registers,
             stop_tested: inputs.stop_tested,
             moving: inputs.moving,
+            overload: inputs.overload,
             feeds: inputs.feeds,
             carries: inputs.carries,
             enabled: clocks.enabled.is_some_and(|enabled| !over(enabled, settings.enable_s)),

@@ -168,6 +168,9 @@ impl Mode {
         if let Some(moving) = event.moving {
             return Err(Refused::Moving(moving));
         }
+        if let Some(overload) = event.overload {
+            return Err(Refused::Overload(overload));
+        }
         self.enter(State::Arming, present)?;
         self.is_soft = true;
         Ok(())

@@ -315,6 +315,7 @@ prop_compose! {
         let inputs = Inputs {
             now_us: 0, heard, command, findings, uploaded, measured, registers, stop_tested, feeds,
             carries: !is_slow, is_there, moving: moves.then_some(Moving { dof: 0, mrad_s: 500, most_mrad_s: 349 }),
+            overload: None,
         };
         if is_slow { (inputs, step_us, 1) } else { (inputs, TICK_US, ticks) }
     }

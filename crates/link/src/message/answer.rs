@@ -174,6 +174,24 @@ pub enum Refusal {
     },
     /// Some servo takes a position alone, and no effort: the rig cannot float.
     NoEffort,
+    /// A joint takes more of a servo than that gives, to be held where the rig is or on the way to the show.
+    Overload {
+        /// Its degree of freedom.
+        dof: u16,
+        /// What it takes of the servo, mN m.
+        mnm: u32,
+        /// What the servo gives, mN m.
+        most_mnm: u32,
+    },
+    /// All servos together take more of the supply than it gives, to be held there.
+    Supply {
+        /// The degree of freedom that takes most.
+        dof: u16,
+        /// What all take, mA.
+        ma: u32,
+        /// What the supply gives, mA.
+        most_ma: u32,
+    },
 }
 
 impl fmt::Display for Refusal {
@@ -234,6 +252,16 @@ impl fmt::Display for Refusal {
             }
             Self::NoEffort => f.write_str(
                 "not every servo takes an effort: what is driven by position cannot float; teach it limp",
+            ),
+            Self::Overload { dof, mnm, most_mnm } => write!(
+                f,
+                "the rig cannot be held where it is, or on the way to the show's first pose: joint {dof} takes {mnm} \
+                 mN m of its servo, which gives {most_mnm}"
+            ),
+            Self::Supply { dof, ma, most_ma } => write!(
+                f,
+                "the rig cannot be held where it is, or on the way to the show's first pose: all take {ma} mA, and \
+                 joint {dof} most; the supply gives {most_ma}"
             ),
         }
     }

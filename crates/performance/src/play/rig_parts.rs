@@ -78,7 +78,9 @@ impl RigParts {
             lines[line].servos.push(index);
             parts.push(ServoPart { own, drive, place: (line, lines[line].servos.len() - 1) });
         }
-        let mut settings = ControllerSettings { rig_crc, ..ControllerSettings::default() };
+        let supply_a = rig.supply.map_or(0.0, |supply| single(supply.current_a));
+        let mut settings =
+            ControllerSettings { rig_crc, supply_a, ..ControllerSettings::default() };
         let loads: Vec<(&str, Load)> =
             lines.iter().map(|line| (line.name.as_str(), line.load(&parts))).collect();
         let compute_us = estimated_us(parts.len(), BOARD_HZ);

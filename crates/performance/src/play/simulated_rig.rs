@@ -7,7 +7,9 @@ use sinew_core::glam::Quat;
 use sinew_core::{JointKind, math};
 use sinew_firmware::controller::{Incomplete, Inputs, Report, Start};
 use sinew_firmware::node;
-use sinew_firmware::supervisor::{Command, FaultSet, Feed, GuardSettings, Permission, Source};
+use sinew_firmware::supervisor::{
+    Command, Fault, FaultSet, Feed, GuardSettings, Permission, Source,
+};
 use sinew_servo_bus::dynamixel::table::address;
 use sinew_servo_bus::feetech::table::address::TORQUE_ENABLE as FEETECH_TORQUE_ENABLE;
 use sinew_servo_bus::{Effort, ServoBus as _};
@@ -133,6 +135,21 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
     /// Returns the report of the last tick.
     pub fn report(&self) -> &Report<DOFS, SERVOS> {
         self.controller.report()
+    }
+
+    /// A fault in words, with the joint and the servo that it came of.
+    pub fn named(&self, fault: Fault) -> String {
+        let mut kept = self.controller.supervisor().log().last();
+        let servo = kept.find(|record| record.fault == fault).and_then(|record| record.servo);
+        let servo = servo.map(usize::from);
+        let Some((servo, part)) = servo.and_then(|at| Some((at, self.parts.servos.get(at)?)))
+        else {
+            return fault.to_string();
+        };
+        let joints = self.parts.names.iter().zip(&self.parts.first_servo);
+        let joint = joints.filter(|(_, first)| **first == Some(servo)).map(|(name, _)| name).next();
+        let joint = joint.map_or_else(String::new, |joint| format!("joint {joint}, "));
+        format!("{fault} of {joint}servo {}", part.own.name)
     }
 
     /// What drives may do.

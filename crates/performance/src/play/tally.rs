@@ -136,7 +136,7 @@ impl Tally {
         let parts = sim.parts;
         let (by_drive, by_joint) = (self.by_drive(parts), self.by_joint(parts));
         let faults = raised.minus(FaultSet::WARNINGS).iter();
-        let faults: Vec<String> = faults.map(|fault| fault.to_string()).collect();
+        let faults: Vec<String> = faults.map(|fault| sim.named(fault)).collect();
         let faults = if faults.is_empty() { "none".to_owned() } else { faults.join(", ") };
         let found = match raised.and(FaultSet::WARNINGS).iter().count() {
             0 => String::new(),

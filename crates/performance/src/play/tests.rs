@@ -1,9 +1,9 @@
 use std::f64::consts::FRAC_PI_8;
 
-use sinew_firmware::supervisor::{Command, FaultSet, Refused, RegisterDiffers, State};
+use sinew_firmware::supervisor::{Command, FaultSet, Overload, Refused, RegisterDiffers, State};
 use sinew_retarget::feasibility::RigMotion;
 use sinew_rig::Description;
-use sinew_rig::description::DriveKind;
+use sinew_rig::description::{DriveKind, Mount, Supply};
 use sinew_rig::new::arm;
 use sinew_rig::servo::Address;
 use sinew_servo_bus::dynamixel::table::address;
@@ -60,6 +60,60 @@ fn a_wrong_register_refuses_with_what_is_wrong() {
         };
         assert_eq!(differs, RegisterDiffers { servo, item, address, found, expected });
     }
+}
+
+/// What a hanging arm of 20 XL330 ends with that is to begin with its second joint at an angle.
+fn ended_at(angle_rad: f64, supply_a: f64) -> (Ended, f64) {
+    let mut rig = arm(20).unwrap();
+    rig.mount = Mount { rotation_xyzw: [1.0, 0.0, 0.0, 0.0], ..Mount::default() };
+    rig.supply = Some(Supply { voltage_v: 5.0, current_a: supply_a });
+    for joint in &mut rig.joints {
+        joint.home_rad = Some(0.0);
+    }
+    let mechanism = rig.mechanism().unwrap();
+    let parts = RigParts::new(&rig, &mechanism, Options::default()).unwrap();
+    let mut first = mechanism.home();
+    first[1] = angle_rad;
+    let motion = RigMotion { dt_s: 0.1, rows: vec![first; 11] };
+    let (rig_crc, settings) = (parts.rig_crc(), Settings::default());
+    let baker = Baker { mechanism: &mechanism, rig: rig_crc, settings };
+    let show = baker.bake(&motion, &ShowMarks::default()).unwrap().written.bytes;
+    let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
+    let plant = parts.plant(&rig, &mechanism).unwrap();
+    let mut sim = SimulatedRig::new(&parts, Some(&show), &mut memories, plant).unwrap();
+    let mut director = Director::default();
+    let mut most = 0.0_f64;
+    let ended = (0..40 * parts.rate_hz).find_map(|_| {
+        let ended = director.tick(&mut sim, false);
+        most = sim.q().iter().fold(most, |most, q| most.max(q.abs()));
+        ended
+    });
+    (ended.expect("it ends"), most.to_degrees())
+}
+
+/// It does not swing up until the supply sags: it is not armed.
+#[test]
+fn a_hanging_arm_that_its_servos_or_supply_cannot_lift_is_not_armed() {
+    let (ended, most_deg) = ended_at(1.5, 60.0);
+    let Ended::Refused(why @ Refused::Overload(Overload::Servo { dof: 1, mnm, most_mnm: 520 })) =
+        ended
+    else {
+        panic!("{ended:?}")
+    };
+    assert!((521..3000).contains(&mnm), "{mnm}");
+    let words = why.to_string();
+    assert!(words.contains("joint 1 takes ") && words.ends_with(", which gives 520"), "{words}");
+    assert!(most_deg < 2.0, "it moved by {most_deg} deg");
+
+    // A little of the way its servos can lift it; with another supply they cannot.
+    let (ended, _) = ended_at(0.1, 60.0);
+    assert_eq!(ended, Ended::Done);
+    let (ended, _) = ended_at(0.1, 0.01);
+    let is_weak = matches!(
+        ended,
+        Ended::Refused(Refused::Overload(Overload::Supply { ma: 11.., most_ma: 10, .. }))
+    );
+    assert!(is_weak, "{ended:?}");
 }
 
 /// The eight servos of `docs/first-rig.md`, on the channels of that page.

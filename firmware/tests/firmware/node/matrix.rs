@@ -56,9 +56,9 @@ fn excuse(fault: Fault, state: State) -> Option<&'static str> {
 /// Why a row differs from that of the first table.
 fn why_it_differs(fault: Fault) -> Option<&'static str> {
     use Fault::{
-        BrownOut, FollowingError, HostDeaf, HotMeasured, HotWinding, LinkLate, LinkLost, NotFinite,
-        Panic, Range, ServoError, ServoSilent, ServoStopped, SettingsBad, ShowBad, ShowForeign,
-        SupplyHigh, SupplyLow, Swing, TorqueStuck, WatchdogReset,
+        BrownOut, FollowingError, HostDeaf, HotMeasured, HotWinding, Jump, LinkLate, LinkLost,
+        NotFinite, Panic, Range, ServoError, ServoSilent, ServoStopped, SettingsBad, ShowBad,
+        ShowForeign, SupplyHigh, SupplyLow, Swing, TorqueStuck, WatchdogReset,
     };
     Some(match fault {
         LinkLate | LinkLost => "the host's last beat was some ticks before",
@@ -68,6 +68,7 @@ fn why_it_differs(fault: Fault) -> Option<&'static str> {
         HotMeasured | SupplyLow | SupplyHigh => "it is asked once in six ticks",
         HotWinding => "a reading holds 32.8 A, not 147",
         FollowingError | Range => "it runs by whole steps",
+        Jump => "it is off from one reading to the next",
         NotFinite => "integers are finite",
         SettingsBad => "uploads count at a start",
         ShowBad | ShowForeign => "the desk opens it first",
@@ -242,7 +243,7 @@ fn plant(world: &mut World, fault: Fault) {
             let to = if is < 2048 { is + far } else { is - far };
             Lie { runs_to: Some(to), ..Lie::default() }
         }
-        // 5 deg.
+        // By 5 deg.
         Fault::Jump => Lie { off: 57, ..Lie::default() },
         Fault::Swing => {
             let is = world.bench.servos()[0].get(PRESENT_POSITION);
@@ -250,7 +251,11 @@ fn plant(world: &mut World, fault: Fault) {
             let positions = Some([is - far, is + far]);
             Lie { positions, milliamps: Some([300, -300]), ..Lie::default() }
         }
-        Fault::Range => Lie { runs_to: Some(3938), ..Lie::default() },
+        // Beyond the nearer end.
+        Fault::Range => {
+            let is_low = world.bench.servos()[0].get(PRESENT_POSITION) < 2048;
+            Lie { runs_to: Some(if is_low { 158 } else { 3938 }), ..Lie::default() }
+        }
         _ => world.told.lie,
     };
     world.told.lie = lie;

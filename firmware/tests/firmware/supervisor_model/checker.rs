@@ -128,8 +128,9 @@ fn keeps_rules(
                 && event.measured
                 && event.registers == Registers::Same
                 && event.stop_tested
-                && event.moving.is_none()),
-        "arming is from rest, measured, of servos set up as the rig asks, with a tested stop",
+                && event.moving.is_none()
+                && event.overload.is_none()),
+        "arming is from rest, measured, of servos that are set up and bear the rig, with a tested stop",
     )?;
     hold(
         !is_armed_now || !from.is_blamed && worst == Reaction::Note,

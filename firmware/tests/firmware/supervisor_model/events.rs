@@ -1,7 +1,7 @@
 //! Every event that there is, up to faults and operators that are alike.
 
 use sinew_firmware::supervisor::{
-    Command, Event, Fault, FaultSet, Feed, Feeds, Moving, Operator, Registers, TABLE,
+    Command, Event, Fault, FaultSet, Feed, Feeds, Moving, Operator, Overload, Registers, TABLE,
 };
 
 /// Faults that the supervisor knows by name: they stand for their kind.
@@ -48,6 +48,7 @@ impl Events {
                 let is = |bit: u32| bits >> bit & 1 == 1;
                 // What arming asks for is all there, or one of it is missing.
                 let missing = [bits >> 2 & 1, bits >> 9 & 1];
+                let overload = Overload::Servo { dof: 0, mnm: 600, most_mnm: 520 };
                 let moving = Moving { dof: 0, mrad_s: 500, most_mrad_s: 349 };
                 situations.push(Event {
                     command: None,
@@ -56,7 +57,9 @@ impl Events {
                     measured: is(1),
                     registers: if missing == [1, 0] { Registers::Unread } else { Registers::Same },
                     stop_tested: missing != [0, 1],
-                    moving: (missing == [1, 1]).then_some(moving),
+                    // No feed is asked for by arming.
+                    moving: (missing == [1, 1] && !is(3)).then_some(moving),
+                    overload: (missing == [1, 1] && is(3)).then_some(overload),
                     // Alike to all that looks at the other one.
                     carries: is(7),
                     feeds: Feeds { show: is(3), live: is(4), jog: is(5) },

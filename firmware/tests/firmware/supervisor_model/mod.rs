@@ -34,7 +34,7 @@ fn a_fault_that_another_stands_for_breaks_no_rule_either() {
 /// What the checker says of a supervisor with a mistake.
 fn mistake(step: impl Fn(Mode, &Event) -> (Mode, Option<Answer>)) -> &'static str {
     // Faults that are needed for the mistake are enough.
-    let events = Events::new(&[Fault::EStop, Fault::HotMeasured, Fault::HostDeaf]);
+    let events = Events::new(&[Fault::EStop, Fault::HotMeasured, Fault::HostDeaf, Fault::Jump]);
     let Err(violation) = check(&events, step) else { panic!("a planted mistake was not found") };
     violation.rule
 }
@@ -168,6 +168,41 @@ fn a_deaf_host_whose_rig_is_pulled_out_of_hands_is_found() {
         (next, answer)
     });
     assert_eq!(rule, "what is in somebody's hands goes nowhere by itself");
+}
+
+/// It swings up, until the supply sags.
+#[test]
+fn a_rig_that_is_armed_and_cannot_be_held_is_found() {
+    let rule = mistake(|mode, event| mode.next(&Event { overload: None, ..*event }));
+    let expected = "arming is from rest, measured, of servos that are set up and bear the rig, with a tested stop";
+    assert_eq!(rule, expected);
+}
+
+/// Where it stands its encoder would be off, and nobody looks.
+#[test]
+fn a_jump_that_a_rig_holds_on_with_is_found() {
+    let rule = mistake(|mode, event| {
+        let present = event.present.minus(FaultSet::of(Fault::Jump));
+        let stands = mode.state == State::Holding;
+        mode.next(&if stands { Event { present, ..*event } } else { *event })
+    });
+    assert_eq!(rule, "no fault goes without its reaction");
+}
+
+/// Its readings are taken for good as soon as torque is off.
+#[test]
+fn a_jump_that_nobody_clears_is_found() {
+    let rule = mistake(|mode, event| {
+        let (mut next, answer) = mode.next(event);
+        if !next.state.is_on() {
+            next.latched = next.latched.minus(FaultSet::of(Fault::Jump));
+            if next.state == State::Faulted && next.latched.is_empty() {
+                next.state = State::Limp;
+            }
+        }
+        (next, answer.map(|answer| answer.map(|_| next.state)))
+    });
+    assert_eq!(rule, "after a fault nothing is armed that was not cleared");
 }
 
 /// A mode is named by its state: what it follows fits.

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail};
-use sinew_firmware::supervisor::{Fault, FaultSet, Refused};
+use sinew_firmware::supervisor::{Fault, FaultSet, Overload, Refused};
 use sinew_host_util::command::{note, print};
 use sinew_performance::play::{Director, Ended, Memory, Recorder, RigParts, SimulatedRig, Tally};
 use sinew_performance::rig::LoadedRig;
@@ -76,13 +76,19 @@ impl Args {
             Some(Ended::Done | Ended::Stopped) => ExitCode::SUCCESS,
             Some(Ended::Faults(faults)) => {
                 for fault in Fault::ALL.into_iter().filter(|fault| faults.contains(*fault)) {
-                    note(format_args!("{fault}: {}; to do: {}", fault.when(), fault.remedy()));
+                    let named = sim.named(fault);
+                    note(format_args!("{named}: {}; to do: {}", fault.when(), fault.remedy()));
                 }
                 ExitCode::from(1)
             }
             Some(Ended::Refused(why @ Refused::RegisterDiffers(differs))) => {
                 let name = &parts.servos[usize::from(differs.servo)].own.name;
                 bail!("the controller refused (servo {} is `{name}`): {why}", differs.servo)
+            }
+            Some(Ended::Refused(why @ Refused::Overload(overload))) => {
+                let (Overload::Servo { dof, .. } | Overload::Supply { dof, .. }) = overload;
+                let name = &parts.names[usize::from(dof)];
+                bail!("the controller refused (joint {dof} is `{name}`): {why}")
             }
             Some(Ended::Refused(why)) => bail!("the controller refused: {why}"),
             None => {

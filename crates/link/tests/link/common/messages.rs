@@ -151,7 +151,7 @@ fn limit(r: &mut Random) -> Limit {
 }
 
 fn refusal(r: &mut Random) -> Refusal {
-    match r.below(28) {
+    match r.below(30) {
         0 => Refusal::Session,
         1 => Refusal::Late,
         2 => Refusal::Forgotten,
@@ -178,6 +178,8 @@ fn refusal(r: &mut Random) -> Refusal {
         23 => Refusal::RegistersUnread,
         24 => Refusal::Moving { dof: r.bits() as u16, mrad_s: r.bits(), most_mrad_s: r.bits() },
         26 => Refusal::NoEffort,
+        27 => Refusal::Overload { dof: r.bits() as u16, mnm: r.bits(), most_mnm: r.bits() },
+        28 => Refusal::Supply { dof: r.bits() as u16, ma: r.bits(), most_ma: r.bits() },
         25 => Refusal::Setting {
             key: r.bits() as u16,
             found: r.finite(),
