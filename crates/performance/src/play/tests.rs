@@ -108,10 +108,10 @@ fn a_hanging_arm_that_its_servos_or_supply_cannot_lift_is_not_armed() {
     // A little of the way its servos can lift it; with another supply they cannot.
     let (ended, _) = ended_at(0.1, 60.0);
     assert_eq!(ended, Ended::Done);
-    let (ended, _) = ended_at(0.1, 0.01);
+    let (ended, _) = ended_at(0.3, 0.5);
     let is_weak = matches!(
         ended,
-        Ended::Refused(Refused::Overload(Overload::Supply { ma: 11.., most_ma: 10, .. }))
+        Ended::Refused(Refused::Overload(Overload::Supply { dof: 1, ma: 501.., most_ma: 500 }))
     );
     assert!(is_weak, "{ended:?}");
 }
