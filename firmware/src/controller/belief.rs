@@ -3,16 +3,16 @@
 //! A reading is expected where the last one was, as far on as the servo turned before. It can be off by half of the
 //! play of its gear and steps of its encoder ([`REST_RAD`]), by what twice its stall torque does to its rotor alone
 //! ([`EFFORT`]), and by twice the way that was expected, since what it moves may bounce. A reading that is farther off
-//! is a jump, of an encoder, a horn or bytes: the servo counts as where it was expected, and the jump as an offset, which
-//! is taken off the readings behind it. Readings behind a jump that fit better without the offset end it. The tracker
+//! is a jump, of an encoder, a horn or bytes: the servo counts as where it was expected, and the jump as an offset,
+//! which is taken off the readings behind it. Readings behind a jump that fit better without the offset end it. The tracker
 //! moves nothing for a jump then, whatever its size; [`Belief::is_jumped`] is found where it stays.
 //!
-//! A jump that is smaller than what the servo can turn in a tick is not seen, and followed: 1 deg of an XL330 at 400 Hz,
-//! 1.7 deg of an STS3215 at 100 Hz, if they stand.
+//! A jump that is smaller than what the servo can turn in a tick is not seen, and followed: 1 deg of an XL330 at 400
+//! Hz, 1.7 deg of an STS3215 at 100 Hz, if they stand.
 //!
 //! A servo by position follows its own encoder: before a board can know, it moves. It gets its goal with the offset as
-//! soon as its own speed says that the jump is of its encoder, and not of bytes, which it does not follow; else with the
-//! fault.
+//! soon as its own speed says that the jump is of its encoder, and not of bytes, which it does not follow; else with
+//! the fault.
 
 use sinew_servo_bus::{Command, Feedback};
 
@@ -69,8 +69,8 @@ impl Belief {
         }
     }
 
-    /// What is believed of a reading, behind what was believed `before`. `late`: ticks that were left out. Without torque
-    /// (`is_on`) a jump is told for a while, and then believed.
+    /// What is believed of a reading, behind what was believed `before`. `late`: ticks that were left out. Without
+    /// torque (`is_on`) a jump is told for a while, and then believed.
     pub(super) fn step(
         &mut self,
         before: Option<Feedback>,
