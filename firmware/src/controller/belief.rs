@@ -4,8 +4,8 @@
 //! play of its gear and steps of its encoder ([`REST_RAD`]), by what twice its stall torque does to its rotor alone
 //! ([`EFFORT`]), and by twice the way that was expected, since what it moves may bounce. A reading that is farther off
 //! is a jump, of an encoder, a horn or bytes: the servo counts as where it was expected, and the jump as an offset,
-//! which is taken off the readings behind it. Readings behind a jump that fit better without the offset end it. The tracker
-//! moves nothing for a jump then, whatever its size; [`Belief::is_jumped`] is found where it stays.
+//! which is taken off the readings behind it. Readings behind a jump that fit better without the offset end it. The
+//! tracker moves nothing for a jump then, whatever its size; [`Belief::is_jumped`] is found where it stays.
 //!
 //! A jump that is smaller than what the servo can turn in a tick is not seen, and followed: 1 deg of an XL330 at 400
 //! Hz, 1.7 deg of an STS3215 at 100 Hz, if they stand.
