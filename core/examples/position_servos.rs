@@ -1,9 +1,8 @@
 //! An arm of two joints follows frames of joint angles. Its encoders measure no speeds, and its servos take positions.
 
 use sinew_core::coordinates::DofCommand;
-use sinew_core::tracker::{Frame, FrameSource, Measured, Settings, Timing, Tracker};
-use sinew_core::{Body, Inertia, JointKind, Transform, Tree};
-use sinew_core::{control::TorqueLimit, glam::Vec3, math};
+use sinew_core::math;
+use sinew_core::prelude::*;
 
 const DT_S: f32 = 0.002;
 
@@ -20,16 +19,10 @@ impl FrameSource for Swing {
 }
 
 fn main() -> Result<(), Box<dyn core::error::Error>> {
-    let link = |i: usize| Body {
-        parent: i.checked_sub(1),
-        joint: JointKind::Revolute { axis: Vec3::X },
-        placement: Transform::from_translation(Vec3::Y * 0.1),
-        inertia: Inertia::of_box(0.2, Vec3::Y * 0.05, Vec3::new(0.04, 0.1, 0.04)),
-        rotor_inertia: 0.0,
-    };
-    let arm = Tree::<2>::from_bodies(&[0, 1].map(link))?;
+    let inertia = Inertia::of_box(0.2, Vec3::Y * 0.05, Vec3::new(0.04, 0.1, 0.04));
+    let arm = Tree::serial_chain(&[Body::revolute(None, Vec3::X, Vec3::Y * 0.1, inertia); 2])?;
     let timing = Timing { dt_s: DT_S, latency_ticks: 0 };
-    let mut tracker = Tracker::<2>::new(arm, &Settings::default(), timing)?
+    let mut tracker = RigTracker::<2>::new(arm, &Settings::default(), timing)?
         .with_limits(&[TorqueLimit::new(2.0, 0.0)?; 2])?;
     let (mut frames, mut commands) = (Swing([[0.0; 2]; 3]), [DofCommand::default(); 2]);
     // What the encoders read, rad.

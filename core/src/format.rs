@@ -6,8 +6,10 @@
 use defmt::{Format, Formatter, write};
 
 use crate::controller::{TorqueController, Workspace};
+use crate::coordinates::UnderGravity;
 use crate::dynamics::{ArticulatedBody, BodyMotion, CompositeBody, ResolvedAccelerationScratch};
 use crate::importance::RestPose;
+use crate::joint_controller::JointController;
 use crate::observer::Observer;
 use crate::pose_space::{JointCoordinates, LineWorkspace};
 use crate::projection::ProjectionWorkspace;
@@ -239,6 +241,20 @@ impl<const N: usize, const D: usize, const R: usize> Format for Tracker<N, D, R>
     fn format(&self, f: Formatter<'_>) {
         let (targets, states) = (self.targets(), self.states());
         write!(f, "Tracker {{ targets: {}, states: {} }}", targets, states);
+    }
+}
+
+/// The tree's.
+impl<const N: usize> Format for UnderGravity<'_, N> {
+    fn format(&self, f: Formatter<'_>) {
+        write!(f, "UnderGravity");
+    }
+}
+
+/// What it goes by.
+impl<const N: usize> Format for JointController<N> {
+    fn format(&self, f: Formatter<'_>) {
+        write!(f, "JointController {{ controller: {} }}", self.controller());
     }
 }
 

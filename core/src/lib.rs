@@ -4,11 +4,14 @@
 //! `no_std`, fixed capacity, no allocation, no `unsafe`, no panic. Controller and simulator run this one code,
 //! and it gives the same bits in both.
 //!
-//! # Six joints
-//! An arm of six revolute joints: build the tree, track a target, get six torques.
+//! # The first torque
+//! An arm of six revolute joints: build the tree, name a target, get six torques.
 //! ```
-#![doc = include_str!("../examples/six_joints.rs")]
+#![doc = include_str!("../examples/first_torque.rs")]
 //! ```
+//! [`prelude`] has all names that a first program needs. [`Tree::inverse_dynamics`], [`Tree::forward_dynamics`],
+//! [`Tree::mass_matrix`] and [`Tree::gravity`] take and give the numbers that [`JointController`] does.
+//!
 //! Gains: the controller turns the error of a joint into an acceleration, `kp` times the error plus `kd` times its
 //! rate, and inverse dynamics turns that into the torque. So `kp` is a stiffness per unit of inertia, in 1/s²: the
 //! same value suits a finger and a shoulder. 200 is firm, 20 is soft. `kd`, in 1/s, is damping;
@@ -24,7 +27,7 @@
 //! 4. [`state_error`]: how far the rig is from the performance, by one of several methods.
 //! 5. [`control`] and [`dynamics`]: error to torque, with inverse dynamics and limits.
 //!
-//! [`TorqueController::tick`] does steps 3 to 5 in one call; [`tracker::Tracker`] does all of it, with an observer,
+//! [`TorqueController::tick`] does steps 3 to 5 in one call; [`tracker::RigTracker`] does all of it, with an observer,
 //! from a source of frames. [`importance`] says how much each joint matters, for rigs whose joints cannot all follow
 //! exactly.
 //!
@@ -133,10 +136,13 @@
 //! - `projection/`, `pose_space/`: the rig's own pose nearest to the desired one; distances of poses, and curves.
 //! - `state_error/`: a file for each method.
 //! - `control`, `controller`: gains, laws and limits; the tick from targets and measurements to torques.
-//! - `coordinates/`, `supply`, `observer`: states and efforts as slices of numbers; the limit of the sum of all
-//!   torques; sensors filtered, disturbances learned, and a look ahead over the delay.
+//! - `chain`: bodies by the kind of their joint, and trees that are one chain.
+//! - `coordinates/`, `joint_controller`: states, efforts and dynamics as slices of numbers; the tick in them.
+//! - `supply`, `observer`: the limit of the sum of all torques; sensors filtered, disturbances learned, and a look
+//!   ahead over the delay.
 //! - `tracker/`: the whole tick in one call: frames (`frames`) to targets (`desired`), readings to states
 //!   (`estimate`).
+//! - `prelude`: the names that a first program needs.
 //! - `serial`, `format`: what the features `serde` and `defmt` make of the types.
 
 #![no_std]
@@ -167,6 +173,7 @@ mod aligned_differences;
 pub mod bandwidth;
 mod body_set;
 mod body_weight;
+mod chain;
 pub mod control;
 mod controller;
 pub mod coordinates;
@@ -179,6 +186,7 @@ mod forward_differences;
 pub mod importance;
 mod inertia;
 mod joint;
+mod joint_controller;
 mod joint_states;
 mod joint_targets;
 pub mod kinematics;
@@ -187,6 +195,7 @@ mod matrix;
 pub mod observer;
 pub mod pose_space;
 mod pose_step;
+pub mod prelude;
 pub mod projection;
 #[cfg(feature = "serde")]
 mod read;
@@ -207,6 +216,7 @@ pub use coordinates::JointCoordinatesError;
 pub use forward_differences::ForwardDifferences;
 pub use inertia::{Inertia, InertiaError, RotationalInertia};
 pub use joint::{JointError, JointKind};
+pub use joint_controller::{JointController, JointControllerError, JointTickError};
 pub use joint_states::JointStates;
 pub use joint_targets::JointTargets;
 pub use state::{BodyState, JointState, StateInputError};

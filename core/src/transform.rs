@@ -69,6 +69,13 @@ impl Default for Transform {
     }
 }
 
+impl From<Vec3> for Transform {
+    /// A pose that only moves the origin, m.
+    fn from(translation_m: Vec3) -> Self {
+        Self::from_translation(translation_m)
+    }
+}
+
 impl Mul for Transform {
     type Output = Self;
 

@@ -52,10 +52,12 @@
 //! ```
 
 mod dof_command;
+mod dynamics;
 mod error;
 mod joint;
 mod tree;
 
 pub use dof_command::{DofCommand, nearest_turn};
+pub use dynamics::UnderGravity;
 pub use error::CoordinatesError;
 pub use joint::JointCoordinatesError;

@@ -306,13 +306,13 @@ fn range(bodies: &[Body], body: usize, of_joint: impl Fn(JointKind) -> usize) ->
 }
 
 /// Refuses positions and speeds that are no state of the tree.
-fn check_state(bodies: &[Body], q: &[f32], qd: &[f32]) -> Result<(), CoordinatesError> {
+pub(super) fn check_state(bodies: &[Body], q: &[f32], qd: &[f32]) -> Result<(), CoordinatesError> {
     check_positions(bodies, q)?;
     check_numbers("qd", bodies, JointKind::dof_count, qd)
 }
 
 /// Refuses positions that are none of the tree.
-fn check_positions(bodies: &[Body], q: &[f32]) -> Result<(), CoordinatesError> {
+pub(super) fn check_positions(bodies: &[Body], q: &[f32]) -> Result<(), CoordinatesError> {
     check_numbers("q", bodies, JointKind::coordinate_count, q)?;
     let mut rest = q;
     for (joint, body) in bodies.iter().enumerate() {
@@ -327,7 +327,7 @@ fn check_positions(bodies: &[Body], q: &[f32]) -> Result<(), CoordinatesError> {
 
 /// Calls `set` with every joint, its body, its state, and the body's rotation in the joint frame. For what
 /// [`check_state`] has passed; speeds that are not there count as zero.
-fn for_each_state(
+pub(super) fn for_each_state(
     bodies: &[Body],
     mut q: &[f32],
     mut qd: &[f32],
@@ -363,7 +363,7 @@ fn write_state<const N: usize>(
 }
 
 /// Writes `Sᵀ` of a six-vector of each joint. For slices that fit.
-fn write_components(
+pub(super) fn write_components(
     bodies: &[Body],
     joints: &[JointState],
     twists: impl Iterator<Item = Twist>,
@@ -383,7 +383,7 @@ pub(super) fn in_joint(body: &Body, pose: &Transform) -> Transform {
 }
 
 /// The first `count` numbers, which are then left out of `rest`.
-fn take<'a>(rest: &mut &'a [f32], count: usize) -> &'a [f32] {
+pub(super) fn take<'a>(rest: &mut &'a [f32], count: usize) -> &'a [f32] {
     let (first, behind) = rest.split_at_checked(count).unwrap_or_default();
     *rest = behind;
     first

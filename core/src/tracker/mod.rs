@@ -46,13 +46,31 @@ pub use settings::{
 };
 pub use timing::{MAX_DELAY_S, Timing};
 
-/// Tracks a performance with a rig of up to `N` bodies: frames and readings in, limited torques out, one call a tick.
-///
-/// `D`: one more than the longest latency in ticks. `R`: `N` for resolved acceleration, else 0. All memory is in here:
-/// put it in a static.
+/// A [`Tracker`] of a rig of up to `N` bodies, for latencies of up to 7 ticks and all methods but resolved acceleration.
 ///
 /// ```
-/// use sinew_core::tracker::{Frame, FrameSource, Settings, Timing, Tracker};
+/// use sinew_core::tracker::{RigTracker, Settings, Timing};
+/// use sinew_core::{Body, Inertia, Tree, glam::Vec3};
+/// let link = Inertia::of_box(0.2, Vec3::Y * 0.05, Vec3::new(0.04, 0.1, 0.04));
+/// let head = Tree::<1>::from_bodies(&[Body::revolute(None, Vec3::X, Vec3::ZERO, link)])?;
+/// let timing = Timing { dt_s: 0.002, latency_ticks: 1 };
+/// let tracker = RigTracker::new(head, &Settings::default(), timing)?;
+/// assert_eq!(tracker.controller().tree().len(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub type RigTracker<const N: usize> = Tracker<N, 8>;
+
+/// A [`Tracker`] with room for resolved acceleration, 132 bytes for each body of the capacity `N`, and for latencies of
+/// up to `D` - 1 ticks. [`Tracker::with_workspace`] makes it, of [`Workspace::resolving`].
+pub type ResolvedTracker<const N: usize, const D: usize = 8> = Tracker<N, D, N>;
+
+/// Tracks a performance with a rig of up to `N` bodies: frames and readings in, limited torques out, one call a tick.
+///
+/// Most programs take [`RigTracker`], which names nothing but `N`. `D`: one more than the longest latency in ticks. `R`:
+/// `N` for resolved acceleration, else 0. All memory is in here: put it in a static.
+///
+/// ```
+/// use sinew_core::tracker::{Frame, FrameSource, RigTracker, Settings, Timing};
 /// use sinew_core::{Body, Inertia, JointKind, RotationalInertia, Transform, Tree};
 /// use sinew_core::{glam::Vec3, math};
 /// let head = Body {
@@ -79,7 +97,7 @@ pub use timing::{MAX_DELAY_S, Timing};
 ///
 /// let timing = Timing { dt_s: 0.002, latency_ticks: 1 };
 /// let tree = Tree::<1>::from_bodies(&[head])?;
-/// let mut tracker = Tracker::<1, 8>::new(tree, &Settings::recommended(), timing)?;
+/// let mut tracker = RigTracker::new(tree, &Settings::recommended(), timing)?;
 /// let mut show = Shake([Transform::IDENTITY]);
 /// for tick in 0..100 {
 ///     // What the sensors of the joints say goes in, and torques for their drives come out.
