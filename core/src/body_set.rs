@@ -12,10 +12,10 @@
 pub struct BodySet([u32; WORDS]);
 
 /// Words of 32 bodies.
-const WORDS: usize = if cfg!(feature = "large") { 8 } else { 4 };
+const WORDS: usize = 8;
 
 impl BodySet {
-    /// The largest number of bodies of a tree: 128, with the feature `large` 256.
+    /// The largest number of bodies of a tree: 256.
     pub const CAPACITY: usize = 32 * WORDS;
 
     /// The set without members.

@@ -75,7 +75,7 @@ impl Body {
 }
 
 impl<const N: usize> Tree<N> {
-    /// A chain: the first body is the root, each of the others hangs on the one before it. O(n²).
+    /// A chain: the first body is the root, each of the others hangs on the one before it. O(n).
     ///
     /// The bodies' own parents do not count.
     ///

@@ -83,9 +83,9 @@ impl Body {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tree<const N: usize> {
     bodies: Vec<Body, N>,
-    supporters: Vec<BodySet, N>,
-    subtree: Vec<BodySet, N>,
-    children: Vec<BodySet, N>,
+    /// The bodies that have children. The other sets follow from the parents when they are asked for: kept by body,
+    /// they would be a third of the tree.
+    inner: BodySet,
     shape: u32,
 }
 
@@ -93,16 +93,10 @@ impl<const N: usize> Tree<N> {
     /// A tree without bodies.
     pub fn new() -> Self {
         const { assert!(N <= BodySet::CAPACITY, "a tree holds at most BodySet::CAPACITY bodies") };
-        Self {
-            bodies: Vec::new(),
-            supporters: Vec::new(),
-            subtree: Vec::new(),
-            children: Vec::new(),
-            shape: 0x811c_9dc5,
-        }
+        Self { bodies: Vec::new(), inner: BodySet::EMPTY, shape: 0x811c_9dc5 }
     }
 
-    /// A tree of the given bodies, in their order. O(n · depth).
+    /// A tree of the given bodies, in their order. O(n).
     ///
     /// # Errors
     /// As [`Self::push`].
@@ -114,7 +108,7 @@ impl<const N: usize> Tree<N> {
         Ok(tree)
     }
 
-    /// Adds a body and returns its index. O(depth).
+    /// Adds a body and returns its index. O(1).
     ///
     /// # Errors
     /// [`TreeError`], and the tree is as before, if the tree is full, the parent is not there yet, there is a
@@ -148,27 +142,15 @@ impl<const N: usize> Tree<N> {
             return Err(TreeError::RotorWithoutDrive { body: index, value });
         }
 
-        let full = |_| TreeError::Full { capacity: N };
-        let mut supporters =
-            body.parent.and_then(|parent| self.supporters.get(parent).copied()).unwrap_or_default();
-        supporters.insert(index);
         let placement = Transform::new(math::unit(rotation), body.placement.translation_m);
         self.bodies
             .push(Body { joint: body.joint.normalized(), placement, ..body })
             .map_err(|_| TreeError::Full { capacity: N })?;
-        self.supporters.push(supporters).map_err(full)?;
-        self.subtree.push(BodySet::EMPTY).map_err(full)?;
-        self.children.push(BodySet::EMPTY).map_err(full)?;
         let after_parent = body.parent.map_or(0, |parent| parent.saturating_add(1));
         let word = u32::try_from(after_parent).unwrap_or(u32::MAX);
         self.shape = (self.shape ^ word).wrapping_mul(0x0100_0193);
-        for ancestor in supporters.iter() {
-            if let Some(subtree) = self.subtree.get_mut(ancestor) {
-                subtree.insert(index);
-            }
-        }
-        if let Some(siblings) = body.parent.and_then(|parent| self.children.get_mut(parent)) {
-            siblings.insert(index);
+        if let Some(parent) = body.parent {
+            self.inner.insert(parent);
         }
         Ok(index)
     }
@@ -198,34 +180,51 @@ impl<const N: usize> Tree<N> {
         self.bodies.get(body).and_then(|body| body.parent)
     }
 
-    /// κ: the joints that support a body, from the root to its own.
+    /// κ: the joints that support a body, from the root to its own. O(depth).
     pub fn supporters(&self, body: usize) -> BodySet {
-        self.supporters.get(body).copied().unwrap_or_default()
+        self.inward(body).collect()
     }
 
-    /// ν: the bodies that joint `body` moves, itself among them.
+    /// ν: the bodies that joint `body` moves, itself among them. O(n).
     pub fn subtree(&self, body: usize) -> BodySet {
-        self.subtree.get(body).copied().unwrap_or_default()
+        let mut subtree = BodySet::EMPTY;
+        if body < self.len() {
+            subtree.insert(body);
+        }
+        // Parents come first.
+        for (index, other) in self.bodies.iter().enumerate().skip(body) {
+            if other.parent.is_some_and(|parent| subtree.contains(parent)) {
+                subtree.insert(index);
+            }
+        }
+        subtree
     }
 
-    /// µ: the children of a body.
+    /// µ: the children of a body. O(n).
     pub fn children(&self, body: usize) -> BodySet {
-        self.children.get(body).copied().unwrap_or_default()
+        let bodies = self.bodies.iter().enumerate();
+        bodies.filter(|(_, other)| other.parent == Some(body)).map(|(index, _)| index).collect()
     }
 
-    /// Whether a body has no children.
+    /// Whether a body has no children. O(1).
     pub fn is_leaf(&self, body: usize) -> bool {
-        body < self.len() && self.children(body).is_empty()
+        body < self.len() && !self.inner.contains(body)
     }
 
-    /// The bodies without children, in rising order.
+    /// The bodies without children, in rising order. O(n).
     pub fn leaves(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.len()).filter(|body| self.is_leaf(*body))
     }
 
-    /// Whether `ancestor` supports `body` and is not `body` itself.
+    /// Whether `ancestor` supports `body` and is not `body` itself. O(depth).
     pub fn is_ancestor(&self, ancestor: usize, body: usize) -> bool {
-        ancestor != body && self.supporters(body).contains(ancestor)
+        self.inward(body).skip(1).any(|supporter| supporter == ancestor)
+    }
+
+    /// A body, if it is there, and all that it hangs on, up to the root.
+    fn inward(&self, body: usize) -> impl Iterator<Item = usize> + '_ {
+        let first = (body < self.len()).then_some(body);
+        core::iter::successors(first, |body| self.parent(*body))
     }
 }
 

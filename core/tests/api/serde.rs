@@ -120,7 +120,7 @@ fn plain_types_come_back() {
     round_trip(&Importance::<8>::new(&[0.5, 0.0, 1e-3]).unwrap());
     let set: BodySet = [0, 3, 64, 127].into_iter().collect();
     round_trip(&set);
-    round_trip(&(0..128).collect::<BodySet>());
+    round_trip(&(0..BodySet::CAPACITY).collect::<BodySet>());
     round_trip(&[Aim::None, Aim::Child(3), Aim::Children(set), Aim::Point(vector(0.1))]);
 }
 

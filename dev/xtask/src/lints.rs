@@ -62,7 +62,7 @@ pub(crate) fn images(scope: Scope) -> Result<()> {
     // What needs `std` does not build for a board.
     let mut core = arm::toolchain()?.cargo_for(arm::TARGET, "clippy");
     core.args(["--package", "sinew-core", "--package", "sinew-firmware", "--lib"]);
-    core.arg("--features=sinew-core/serde,sinew-core/large,sinew-firmware/defmt");
+    core.arg("--features=sinew-core/serde,sinew-firmware/defmt");
     core.args(["--profile", "node"]).args(DENY);
     step::run("core and firmware with all features, for Arm", &mut core)
 }

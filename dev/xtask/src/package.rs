@@ -4,12 +4,15 @@ use std::fs;
 
 use anyhow::{Context, Result};
 
-use sinew_steps::step;
+use sinew_steps::{arm, step};
 
 use crate::setup;
 
 /// Folders of the crates that are published. A crate comes after those that it needs.
-const FOLDERS: [&str; 3] = ["core/fpu", "core", "crates/mocap"];
+const FOLDERS: [&str; 5] = ["core/fpu", "core", "crates/mocap", "crates/servo-bus", "crates/link"];
+
+/// A crate that is no part of the workspace and has the core as a dependency.
+const OUTSIDE: &str = "dev/outside/Cargo.toml";
 
 /// What is read of a manifest.
 struct Package {
@@ -27,6 +30,8 @@ pub(crate) fn run() -> Result<()> {
         pack.args(["--package", &package.name]);
     }
     step::run("packages for crates.io", &mut pack)?;
+
+    outside()?;
 
     let in_use = step::output(step::command("rustc").arg("--version")).unwrap_or_default();
     for Package { name, rust_version } in &packages {
@@ -50,6 +55,22 @@ pub(crate) fn run() -> Result<()> {
         )?;
     }
     Ok(())
+}
+
+/// Builds somebody else's crate for this machine, runs its tests and the core's first example in it, and builds it for a
+/// board.
+fn outside() -> Result<()> {
+    let host = |verb: &str| {
+        let mut cargo = step::cargo();
+        cargo.args([verb, "--locked", "--manifest-path", OUTSIDE, "--target-dir"]);
+        cargo.arg(step::root().join("target/outside"));
+        cargo
+    };
+    step::run("tests of a crate outside of the workspace", &mut host("test"))?;
+    step::run("the core's first example in it", &mut host("run"))?;
+    let mut board = arm::toolchain()?.cargo_for(arm::TARGET, "build");
+    board.args(["--manifest-path", OUTSIDE, "--lib"]);
+    step::run("that crate for a board", &mut board)
 }
 
 fn read(folder: &str) -> Result<Package> {

@@ -145,11 +145,6 @@ fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
 
 /// Checks what is published and documented.
 fn published() -> Result<()> {
-    // The workspace's tests have the core as hosts do, with `large`; boards have it without.
-    step::run(
-        "tests of the core as boards have it",
-        step::cargo().args(["test", "--locked", "--package", "sinew-core", "--features", "serde"]),
-    )?;
     package::run()?;
     step::run(
         "documentation",

@@ -7,6 +7,7 @@
 mod bus;
 mod construct;
 mod controller;
+mod coordinates;
 mod decode;
 mod drives;
 mod kernels;
@@ -39,6 +40,9 @@ fn main() -> ! {
         construct::observers();
         construct::importance();
         construct::pose_space();
+        coordinates::bodies();
+        coordinates::dynamics();
+        coordinates::controller();
         targets::trajectories();
         targets::differences();
         tick::controller();

@@ -22,13 +22,16 @@ const FAULTY: Image = Image { name: "faults", ..IMAGE };
 const MISSING: &str = "a_panic_can_be_reached";
 
 /// The parts of the image. Each must be there, or nothing was looked at.
-const PARTS: [&str; 46] = [
+const PARTS: [&str; 49] = [
     "audit::image::decode::coordinates",
     "audit::image::construct::trees",
     "audit::image::construct::controllers",
     "audit::image::construct::projections",
     "audit::image::construct::observers",
     "audit::image::construct::importance",
+    "audit::image::coordinates::bodies",
+    "audit::image::coordinates::dynamics",
+    "audit::image::coordinates::controller",
     "audit::image::targets::trajectories",
     "audit::image::targets::differences",
     "audit::image::tick::controller",

@@ -226,6 +226,40 @@ fn forward_dynamics_gives_the_golden_accelerations() {
     });
 }
 
+/// From numbers to numbers, as those have it who know nothing of poses and wrenches.
+#[test]
+fn dynamics_in_coordinates_give_the_golden_numbers() {
+    for_each_golden_state(|at, tree, gravity, _, state| {
+        let [q, qd, qdd, given] =
+            [&state.q, &state.qd, &state.qdd, &state.efforts].map(|list| rounded(list));
+        let dofs = qd.len();
+        let wide = |numbers: &[f32]| DVector::from_column_slice(numbers).cast::<f64>();
+        let in_gravity = tree.under_gravity(gravity);
+
+        let mut tau = vec![0.0; dofs];
+        in_gravity.inverse_dynamics(&q, &qd, &qdd, &mut tau).expect("numbers of the tree's joints");
+        let expected = DVector::from_column_slice(&state.tau);
+        let error = (wide(&tau) - &expected).amax();
+        assert!(error <= GOLDEN * expected.amax(), "{at}: efforts are off by {error:e}");
+
+        let mut matrix = vec![f32::NAN; dofs * dofs];
+        tree.mass_matrix(&q, &mut matrix).expect("a pose of the tree");
+        let matrix = DMatrix::from_row_slice(dofs, dofs, &matrix).cast::<f64>();
+        let mass_matrix = whole(&state.mass_matrix_lower, dofs);
+        let size = mass_matrix.diagonal().map(f64::sqrt);
+        let relative = (matrix - &mass_matrix).component_div(&(&size * size.transpose())).amax();
+        assert!(relative <= GOLDEN, "{at}: the matrix is off by {relative:e}");
+
+        let mut made = vec![0.0; dofs];
+        in_gravity.forward_dynamics(&q, &qd, &given, &mut made).expect("efforts of the tree");
+        let expected = DVector::from_column_slice(&state.acc);
+        // In efforts, as above.
+        let off = (&mass_matrix * (wide(&made) - &expected)).amax();
+        let cost = (mass_matrix.abs() * expected.abs()).amax();
+        assert!(off <= GOLDEN * cost, "{at}: accelerations are off by {off:e} of {cost:e}");
+    });
+}
+
 /// The same bodies without rotors.
 fn bare(rig: &Rig) -> Vec<Body> {
     rig.tree.bodies().iter().map(|body| Body { rotor_inertia: 0.0, ..*body }).collect()
