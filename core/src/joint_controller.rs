@@ -20,8 +20,8 @@ use crate::tree::Tree;
 /// `q` has nq numbers (rad, m, or a unit quaternion), speeds, accelerations and efforts have nv.
 ///
 /// The torque is `H(q) (q̈ + kp e + kd ė) + C + G`: computed torque (Luh, Walker & Paul, "On-Line Computational Scheme
-/// for Mechanical Manipulators", 1980). An error is the shorter way round. 532 bytes of memory for each body of the
-/// capacity `N`; a tick takes what [`TorqueController::tick`] takes, and the way in and out of coordinates.
+/// for Mechanical Manipulators", 1980). An error is the shorter way round. It has at most 532 bytes for each body of
+/// the capacity `N`; a tick takes what [`TorqueController::tick`] takes, and the way in and out of coordinates.
 ///
 /// ```
 /// use sinew_core::{Body, Inertia, JointController, Tree, glam::Vec3};
