@@ -40,16 +40,6 @@ impl BodySet {
         self.0.get(word).is_some_and(|word| word & bit != 0)
     }
 
-    /// The members of either set.
-    #[must_use]
-    pub(crate) fn union(self, other: Self) -> Self {
-        let mut union = self;
-        for (word, other) in union.0.iter_mut().zip(other.0) {
-            *word |= other;
-        }
-        union
-    }
-
     /// Number of members.
     pub fn len(self) -> usize {
         // At most the capacity.

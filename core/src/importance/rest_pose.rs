@@ -26,13 +26,12 @@ use crate::tree::Tree;
 pub struct RestPose<const N: usize> {
     parents: Vec<Option<usize>, N>,
     positions_m: Vec<Vec3, N>,
-    descendants: Vec<BodySet, N>,
     /// The joints, parents first.
     outwards: Vec<usize, N>,
 }
 
 impl<const N: usize> RestPose<N> {
-    /// A skeleton of joints with their parents, in any order, and their positions in world axes in m. O(n).
+    /// A skeleton of joints with their parents, in any order, and their positions in world axes in m. O(n²).
     ///
     /// # Errors
     /// [`RestPoseError`] if there is no joint or more than `N`, not a position for each, a position is not finite, a
@@ -53,25 +52,14 @@ impl<const N: usize> RestPose<N> {
             return Err(RestPoseError::NonFinitePosition { joint });
         }
         let outwards = outwards(parents)?;
-        let mut descendants: Vec<BodySet, N> =
-            fixed::collect(parents.iter().map(|_| BodySet::EMPTY));
-        for &joint in outwards.iter().rev() {
-            let Some(parent) = parents.get(joint).copied().flatten() else { continue };
-            let mut below = descendants.get(joint).copied().unwrap_or_default();
-            below.insert(joint);
-            if let Some(set) = descendants.get_mut(parent) {
-                *set = set.union(below);
-            }
-        }
         Ok(Self {
             parents: fixed::collect(parents.iter().copied()),
             positions_m: fixed::collect(positions_m.iter().copied()),
-            descendants,
             outwards,
         })
     }
 
-    /// A rig with every joint in the zero pose of its joint frame; its joints are numbered as its bodies. O(n).
+    /// A rig with every joint in the zero pose of its joint frame; its joints are numbered as its bodies. O(n²).
     ///
     /// # Errors
     /// [`RestPoseError`] if the tree has no body, or a position is too large for f32.
@@ -106,9 +94,16 @@ impl<const N: usize> RestPose<N> {
         self.positions_m.get(joint).copied().unwrap_or_default()
     }
 
-    /// The joints that hang on a joint, which itself is not among them.
+    /// The joints that hang on a joint, which itself is not among them. O(n).
     pub fn descendants(&self, joint: usize) -> BodySet {
-        self.descendants.get(joint).copied().unwrap_or_default()
+        let mut descendants = BodySet::EMPTY;
+        for &other in &self.outwards {
+            let hangs = |parent| parent == joint || descendants.contains(parent);
+            if self.parent(other).is_some_and(hangs) {
+                descendants.insert(other);
+            }
+        }
+        descendants
     }
 
     /// The joints that a joint hangs on, from its parent to the root.
@@ -124,12 +119,12 @@ impl<const N: usize> RestPose<N> {
 
 /// The joints in an order that has parents first, breadth first.
 fn outwards<const N: usize>(parents: &[Option<usize>]) -> Result<Vec<usize, N>, RestPoseError> {
-    let mut children: Vec<BodySet, N> = fixed::collect(parents.iter().map(|_| BodySet::EMPTY));
     let mut outwards = Vec::new();
     for (joint, &parent) in parents.iter().enumerate() {
         if let Some(parent) = parent {
-            let siblings = children.get_mut(parent);
-            siblings.ok_or(RestPoseError::NoSuchParent { joint, parent })?.insert(joint);
+            if parent >= parents.len() {
+                return Err(RestPoseError::NoSuchParent { joint, parent });
+            }
         } else if let Some(&root) = outwards.first() {
             return Err(RestPoseError::SecondRoot { joint, root });
         } else {
@@ -140,7 +135,7 @@ fn outwards<const N: usize>(parents: &[Option<usize>]) -> Result<Vec<usize, N>, 
     let mut next = 0;
     while let Some(&joint) = outwards.get(next) {
         reached.insert(joint);
-        for child in children.get(joint).copied().unwrap_or_default().iter() {
+        for (child, _) in parents.iter().enumerate().filter(|(_, parent)| **parent == Some(joint)) {
             let _ = outwards.push(child);
         }
         next = next.saturating_add(1);
