@@ -1,9 +1,9 @@
-//! The items of all models, by address.
+//! The registers of all models, by address.
 
 use crate::table::Range::{Any, Between, PlusMinus, Within};
 use crate::table::{Item, MemoryMap, RAD_S_PER_RPM, Sign, TORQUE_ENABLE, Unit};
 
-/// Addresses that this crate uses itself.
+/// Addresses that this crate itself uses.
 pub mod address {
     /// Model number.
     pub const MODEL_NUMBER: u16 = 0;
@@ -13,19 +13,19 @@ pub mod address {
     pub const ID: u16 = 7;
     /// Code of the baud rate.
     pub const BAUD: u16 = 8;
-    /// Return delay, 2 us.
+    /// Return delay, in 2 us.
     pub const RETURN_DELAY: u16 = 9;
     /// Drive mode: direction, profile, torque on by a goal.
     pub const DRIVE_MODE: u16 = 10;
     /// Operating mode.
     pub const OPERATING_MODE: u16 = 11;
-    /// A second id that is obeyed, not answered.
+    /// Second id, which a servo obeys but does not answer.
     pub const SECONDARY_ID: u16 = 12;
     /// Temperature limit.
     pub const TEMPERATURE_LIMIT: u16 = 31;
-    /// Highest supply.
+    /// Maximum supply voltage.
     pub const MAX_VOLTAGE: u16 = 32;
-    /// Lowest supply.
+    /// Minimum supply voltage.
     pub const MIN_VOLTAGE: u16 = 34;
     /// PWM limit.
     pub const PWM_LIMIT: u16 = 36;
@@ -33,21 +33,21 @@ pub mod address {
     pub const CURRENT_LIMIT: u16 = 38;
     /// Velocity limit.
     pub const VELOCITY_LIMIT: u16 = 44;
-    /// Most position.
+    /// Maximum position.
     pub const MAX_POSITION: u16 = 48;
-    /// Least position.
+    /// Minimum position.
     pub const MIN_POSITION: u16 = 52;
-    /// What it does at power-up.
+    /// Behaviour at power-up.
     pub const STARTUP: u16 = 60;
-    /// Which hardware errors switch torque off.
+    /// Hardware errors that switch torque off.
     pub const SHUTDOWN: u16 = 63;
     /// Torque on or off.
     pub const TORQUE_ENABLE: u16 = 64;
-    /// Which instructions are answered.
+    /// Instructions that are answered: 0 only ping, 1 ping and reads, 2 all.
     pub const STATUS_LEVEL: u16 = 68;
-    /// Whether a write waits for an action.
+    /// Whether a registered write waits for an action.
     pub const REGISTERED: u16 = 69;
-    /// Hardware errors.
+    /// Hardware errors, bit by bit.
     pub const HARDWARE_ERROR: u16 = 70;
     /// Position D gain.
     pub const POSITION_D: u16 = 80;
@@ -55,11 +55,11 @@ pub mod address {
     pub const POSITION_I: u16 = 82;
     /// Position P gain.
     pub const POSITION_P: u16 = 84;
-    /// Gain of the wanted acceleration.
+    /// Feedforward gain of the acceleration.
     pub const FEEDFORWARD_2ND: u16 = 88;
-    /// Gain of the wanted speed.
+    /// Feedforward gain of the speed.
     pub const FEEDFORWARD_1ST: u16 = 90;
-    /// Bus watchdog, 20 ms; -1 when it has run out.
+    /// Bus watchdog, in 20 ms; -1 when it has expired.
     pub const BUS_WATCHDOG: u16 = 98;
     /// Goal PWM.
     pub const GOAL_PWM: u16 = 100;
@@ -67,11 +67,11 @@ pub mod address {
     pub const GOAL_CURRENT: u16 = 102;
     /// Goal velocity.
     pub const GOAL_VELOCITY: u16 = 104;
-    /// Profile velocity; the goal position follows.
+    /// Profile velocity. The goal position follows it in memory.
     pub const PROFILE_VELOCITY: u16 = 112;
     /// Goal position.
     pub const GOAL_POSITION: u16 = 116;
-    /// Whether it moves.
+    /// Whether the servo moves.
     pub const MOVING: u16 = 122;
     /// Present current, or load.
     pub const PRESENT_CURRENT: u16 = 126;
@@ -79,28 +79,28 @@ pub mod address {
     pub const PRESENT_VELOCITY: u16 = 128;
     /// Present position.
     pub const PRESENT_POSITION: u16 = 132;
-    /// Present supply.
+    /// Present supply voltage.
     pub const PRESENT_VOLTAGE: u16 = 144;
     /// Present temperature.
     pub const PRESENT_TEMPERATURE: u16 = 146;
 }
 
-/// Which models have an item.
+/// The models that have a register.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Only {
     All,
-    /// Those that measure current.
+    /// Models that measure current.
     Current,
-    /// Those that do not.
+    /// Models that do not measure current: they report load instead.
     Load,
     X330,
     X540,
-    /// All of the X series.
+    /// All models of the X series.
     X,
     Mx,
 }
 
-/// The highest PWM, which is the whole supply.
+/// Full PWM in counts: the whole supply voltage.
 pub(crate) const FULL_PWM: u16 = 885;
 pub(in crate::dynamixel) const PWM_COUNTS: i32 = FULL_PWM as i32;
 pub(in crate::dynamixel) const POSITION: Unit =
@@ -119,7 +119,7 @@ const fn signed(item: Item) -> Item {
     Item { sign: Sign::TwosComplement, ..item }
 }
 
-/// All items. What models have of their own is filled in by [`super::Table`].
+/// All registers, with values common to all models. [`super::Table`] fills in what differs by model.
 pub(super) const ITEMS: &[(Only, Item)] = &[
     (Only::All, MAP.read(0, 2, "Model Number", Unit::NONE)),
     (Only::All, MAP.read(2, 4, "Model Information", Unit::NONE)),

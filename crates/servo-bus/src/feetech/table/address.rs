@@ -1,4 +1,4 @@
-//! Addresses that this crate uses itself.
+//! Addresses that this crate itself uses.
 
 /// Model number.
 pub const MODEL: u8 = 3;
@@ -6,21 +6,21 @@ pub const MODEL: u8 = 3;
 pub const ID: u8 = 5;
 /// Code of the baud rate.
 pub const BAUD: u8 = 6;
-/// Return delay, 2 us; said not to work on STS.
+/// Return delay, in 2 us; has no effect on STS according to the manuals.
 pub const RETURN_DELAY: u8 = 7;
-/// Whether writes are answered.
+/// Whether the servo answers writes.
 pub const STATUS_LEVEL: u8 = 8;
-/// Least position.
+/// Minimum position.
 pub const MIN_POSITION: u8 = 9;
-/// Most position.
+/// Maximum position.
 pub const MAX_POSITION: u8 = 11;
 /// Temperature limit.
 pub const MAX_TEMPERATURE: u8 = 13;
-/// Lowest supply.
+/// Minimum supply voltage.
 pub const MIN_VOLTAGE: u8 = 15;
-/// Most torque after power-up.
+/// Maximum torque after power-up.
 pub const MAX_TORQUE: u8 = 16;
-/// What makes it let go.
+/// Faults that make the servo switch torque off.
 pub const UNLOADING: u8 = 19;
 /// Position P gain.
 pub const POSITION_P: u8 = 21;
@@ -30,7 +30,7 @@ pub const POSITION_D: u8 = 22;
 pub const POSITION_I: u8 = 23;
 /// Operating mode of STS.
 pub const OPERATING_MODE: u8 = 33;
-/// 0 off, 1 on, 2 damped, 128 sets the middle.
+/// Torque switch: 0 off, 1 on, 2 damped; 128 declares the middle.
 pub const TORQUE_ENABLE: u8 = 40;
 /// Acceleration.
 pub const ACCELERATION: u8 = 41;
@@ -40,9 +40,9 @@ pub const GOAL_POSITION: u8 = 42;
 pub const TORQUE_LIMIT: u8 = 48;
 /// Present position; speed, load, voltage, temperature follow.
 pub const PRESENT_POSITION: u8 = 56;
-/// Whether a write waits for an action.
+/// Whether a registered write waits for an action.
 pub const REGISTERED: u8 = 64;
-/// What is wrong.
+/// Status bits: faults of the servo.
 pub const STATUS: u8 = 65;
 /// Present current of STS.
 pub const PRESENT_CURRENT: u8 = 69;
