@@ -1,5 +1,4 @@
-//! The register values that a rig requires of its servos. The same list serves to write the registers and to compare
-//! them.
+//! The register values that a rig requires of its servos. One list serves to write the registers and to compare them.
 
 use crate::counts::round;
 use crate::dynamixel::table::{Only, address as dxl};

@@ -55,7 +55,7 @@ impl Mode {
     }
 }
 
-/// How a bus reads its servos.
+/// Settings for the reads of a bus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
     /// Whether to use fast sync read: all servos answer in one packet. The firmware must support it. If one servo is

@@ -33,7 +33,7 @@ pub enum Mode {
     Pwm,
 }
 
-/// How a bus reads its servos.
+/// Settings for the reads of a bus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
     /// Family of all servos on this bus: it decides the byte order.
