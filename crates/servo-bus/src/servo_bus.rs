@@ -128,7 +128,7 @@ pub struct Feedback {
 /// Effort of a motor, in the quantity that its servo can measure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Effort {
-    /// Current, A.
+    /// Current of the motor, A.
     Current(f32),
     /// PWM, as a part of full PWM.
     Load(f32),

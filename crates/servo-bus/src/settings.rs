@@ -14,9 +14,9 @@ pub enum Mode {
     Position,
     /// Position with a current limit.
     CurrentPosition,
-    /// Current.
+    /// Current, without position control.
     Current,
-    /// PWM.
+    /// PWM, without position or current control.
     Pwm,
 }
 
@@ -44,7 +44,7 @@ pub struct ServoRequirements {
 /// A register and its required value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setting {
-    /// The register.
+    /// Register that is concerned.
     pub item: Item,
     /// Required value, in counts.
     pub raw: i32,

@@ -48,7 +48,7 @@ pub enum Access {
 pub enum Area {
     /// Survives a loss of power. EEPROM wears out, and can be written only with torque off, or with the lock open.
     Eeprom,
-    /// Lost at power-off.
+    /// Loses its contents at power-off.
     Ram,
 }
 
@@ -57,7 +57,7 @@ pub enum Area {
 pub enum Sign {
     /// No negative numbers.
     Unsigned,
-    /// Two's complement.
+    /// Two's complement of the register's size.
     TwosComplement,
     /// The given bit is the sign; the bits below it are the magnitude.
     Magnitude(u8),
@@ -77,7 +77,7 @@ pub enum ByteOrder {
 pub enum Range {
     /// Any value.
     Any,
-    /// From the first number to the second.
+    /// Values from the first number to the second.
     Between(i32, i32),
     /// At most the value of the register at this address, either way.
     PlusMinus(u16),
@@ -95,15 +95,15 @@ pub struct Unit {
 }
 
 impl Unit {
-    /// A plain number: a mode, a mask, a gain.
+    /// No unit: a mode, a mask, a gain.
     pub const NONE: Self = Self { symbol: "", scale: 1.0 };
-    /// 1 degC.
+    /// A unit of 1 degC.
     pub const CELSIUS: Self = Self { symbol: "degC", scale: 1.0 };
-    /// 0.1 V.
+    /// A unit of 0.1 V.
     pub const DECIVOLT: Self = Self { symbol: "V", scale: 0.1 };
-    /// 0.1 % of the maximum.
+    /// A unit of 0.1 % of the maximum.
     pub const PER_MILLE: Self = Self { symbol: "1", scale: 0.001 };
-    /// 1 % of the maximum.
+    /// A unit of 1 % of the maximum.
     pub const PER_CENT: Self = Self { symbol: "1", scale: 0.01 };
 }
 

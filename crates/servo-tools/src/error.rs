@@ -29,7 +29,7 @@ pub enum ServiceError {
     /// The line does not support this baud rate.
     #[error("the port does not do {baud} baud: {why}")]
     Baud {
-        /// Bits per second.
+        /// Requested baud rate, bits per second.
         baud: u32,
         /// Error of the operating system.
         why: io::Error,
@@ -114,7 +114,7 @@ pub enum ServiceError {
         ServoModel::with_article(model)
     )]
     IdTaken {
-        /// The id.
+        /// Id that was requested.
         id: u8,
         /// Model of the servo that has the id.
         model: String,

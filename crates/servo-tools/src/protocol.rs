@@ -7,9 +7,9 @@ use sinew_servo_bus::feetech::table::BAUDS as FEETECH_BAUDS;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Protocol {
-    /// Dynamixel 2.0.
+    /// Dynamixel protocol 2.0.
     Dynamixel,
-    /// Feetech STS, SMS and SCS.
+    /// Protocol of Feetech STS, SMS and SCS servos.
     Feetech,
 }
 

@@ -36,7 +36,7 @@ pub struct FrameWriter<'a> {
 }
 
 impl<'a> FrameWriter<'a> {
-    /// Begins a packet.
+    /// Begins a packet to or from servo `id`.
     pub fn new(out: &'a mut [u8], id: u8, instruction: u8) -> Self {
         let mut sink = Sink::new(out);
         sink.extend(&HEADER);

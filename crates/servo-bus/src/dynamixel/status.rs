@@ -10,7 +10,7 @@ pub struct StatusError(u8);
 const ALERT: u8 = 0x80;
 
 impl StatusError {
-    /// No error.
+    /// The error byte of a successful instruction.
     pub const NONE: Self = Self(0);
 
     /// Wraps an error byte from the wire.
@@ -52,19 +52,19 @@ impl StatusError {
 /// The reason why a servo refused an instruction: a number, not a set of bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErrorCode {
-    /// 1: the instruction failed.
+    /// Error 1: the instruction failed.
     ResultFail,
-    /// 2: the instruction is unknown, or an action came without a registered write.
+    /// Error 2: the instruction is unknown, or an action arrived without a registered write.
     Instruction,
-    /// 3: the CRC of the packet was wrong.
+    /// Error 3: the CRC of the packet was wrong.
     Crc,
-    /// 4: the value is outside of the register's range.
+    /// Error 4: the value is outside of the register's range.
     DataRange,
-    /// 5: fewer bytes than the register has.
+    /// Error 5: fewer bytes were written than the register has.
     DataLength,
-    /// 6: the value exceeds a limit that another register sets.
+    /// Error 6: the value exceeds a limit that another register sets.
     DataLimit,
-    /// 7: the register is read-only or undefined, or is in EEPROM while torque is on.
+    /// Error 7: the register is read-only or undefined, or is in EEPROM while torque is on.
     Access,
     /// A number that the protocol does not define.
     Unknown(u8),

@@ -11,21 +11,21 @@ pub enum Instruction<'a> {
     Ping,
     /// Reads `length` bytes.
     Read {
-        /// First address.
+        /// First address to read or write.
         address: u8,
         /// Number of bytes.
         length: u8,
     },
     /// Writes at once.
     Write {
-        /// First address.
+        /// First address to read or write.
         address: u8,
         /// Bytes to write.
         data: &'a [u8],
     },
     /// Registers a write, which is executed when [`Self::Action`] arrives.
     RegWrite {
-        /// First address.
+        /// First address to read or write.
         address: u8,
         /// Bytes to write.
         data: &'a [u8],
@@ -43,7 +43,7 @@ pub enum Instruction<'a> {
     SetPosition(&'a [u8]),
     /// Reads the same addresses of several servos. Each servo answers with its own packet, in the order of `ids`.
     SyncRead {
-        /// First address.
+        /// First address to read or write.
         address: u8,
         /// Number of bytes from each servo.
         length: u8,
@@ -52,7 +52,7 @@ pub enum Instruction<'a> {
     },
     /// Writes the same addresses of several servos. No servo answers.
     SyncWrite {
-        /// First address.
+        /// First address to read or write.
         address: u8,
         /// Number of bytes for each servo.
         length: u8,

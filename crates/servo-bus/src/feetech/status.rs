@@ -1,4 +1,4 @@
-//! Replies of servos.
+//! Replies of Feetech servos.
 
 use super::frame::{FrameWriter, Packet};
 use crate::EncodeError;

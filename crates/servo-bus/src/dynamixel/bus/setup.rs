@@ -26,15 +26,15 @@ pub struct ServoSetup {
 /// Operating mode: the quantity that a servo controls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
-    /// 0: current.
+    /// Mode 0: current.
     Current,
-    /// 3: position within one turn.
+    /// Mode 3: position within one turn.
     Position,
-    /// 4: position over several turns.
+    /// Mode 4: position over several turns.
     ExtendedPosition,
-    /// 5: position with a current limit.
+    /// Mode 5: position with a current limit.
     CurrentPosition,
-    /// 16: PWM.
+    /// Mode 16: PWM, without position or current control.
     Pwm,
 }
 

@@ -5,9 +5,9 @@
 pub enum Event {
     /// A controller wrote registers.
     Written {
-        /// First address.
+        /// First address that was written.
         address: u16,
-        /// Number of bytes.
+        /// Number of bytes that were written.
         length: u16,
     },
     /// The servo restarted: torque is off, and RAM holds its power-up values.

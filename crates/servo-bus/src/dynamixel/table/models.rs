@@ -5,7 +5,7 @@ use crate::table::is_kind_of;
 /// A servo model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Model {
-    /// The maker's name.
+    /// Maker's name of the model.
     pub name: &'static str,
     /// Model number, at address 0.
     pub number: u16,
@@ -37,7 +37,7 @@ impl Model {
 pub enum Family {
     /// XL330, XC330: 20 indirect addresses, and a PWM slope.
     X330,
-    /// XL430, XC430, XM430, XH430.
+    /// XL430, XC430, XM430, XH430: 56 indirect addresses.
     X430,
     /// XM540, XH540: they have external ports.
     X540,

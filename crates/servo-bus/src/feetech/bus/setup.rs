@@ -27,9 +27,9 @@ pub struct ServoSetup {
 /// Operating mode: the quantity that a servo controls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
-    /// 0: position within one turn.
+    /// Mode 0: position within one turn.
     Position,
-    /// 2: PWM.
+    /// Mode 2: PWM, without position control.
     Pwm,
 }
 

@@ -13,9 +13,9 @@ use crate::line::BusDevice;
 pub enum Event {
     /// A controller wrote registers.
     Written {
-        /// First address.
+        /// First address that was written.
         address: u8,
-        /// Number of bytes.
+        /// Number of bytes that were written.
         length: u8,
     },
     /// The servo restarted: it is silent for about 0.8 s, torque is off, and EEPROM holds the stored values.
