@@ -101,13 +101,13 @@ impl<W: LineDevice> BoardOnServos<W> {
     fn answer(&mut self, happened: &mut RunLog) -> Result<(), MachineError> {
         let now_ns = self.at_ns - self.began_ns;
         // A burst of the board arrives as a whole at its end, but begins earlier: the servos' time must not pass its
-        // begin.
+        // start.
         self.line.run_until(now_ns.saturating_sub(BURST_NS));
         while let Some(next_ns) = self.line.next_ns().filter(|next_ns| *next_ns <= now_ns) {
             self.line.run_until(next_ns);
         }
-        // An answer of a servo is simulated to its end, and passed to the machine with the time of its begin; so is the
-        // answer of the next servo directly after it.
+        // An answer of a servo is simulated to its end, and passed to the machine with the time of its first byte; so
+        // is the answer of the next servo directly after it.
         while let Some(end_ns) = self.line.speaks_until_ns() {
             let mut said = [0; IN_LEN];
             self.line.run_until(end_ns);

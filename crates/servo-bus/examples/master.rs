@@ -1,7 +1,7 @@
 //! Controls servos of any make on a serial port: `master dxl|fast|sts|scs PORT 1,2,3 TICKS`.
 //!
 //! Sends every servo to random positions, and compares the position that it reports with the goal. Needs servos that
-//! reach a goal at once, such as simulated ones.
+//! reach a goal at once, as simulated servos do.
 
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Write};

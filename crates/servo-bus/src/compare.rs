@@ -7,8 +7,8 @@ use crate::table::{ByteOrder, TORQUE_ENABLE};
 
 /// Maximum bytes of one read: the length of a motion reading, for which every bus has room.
 const MOST_LEN: u16 = 10;
-/// Longest return delay that a servo can be set to, us. Where a tick is long enough, a comparison waits for that long,
-/// so that it can read a servo whose delay is wrong.
+/// Longest return delay that a servo can be set to, us. A comparison waits for that long if the tick allows it, to read
+/// a servo whose delay is wrong.
 const LONGEST_DELAY_US: u32 = 508;
 
 /// The result of a comparison.
@@ -24,7 +24,7 @@ pub enum Compared {
     Differs(Difference),
 }
 
-/// A register whose value is not the required one, in counts of the register.
+/// A register whose value differs from the required value, in counts of the register.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Difference {
     /// The maker's name of the register.

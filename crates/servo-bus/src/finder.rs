@@ -15,7 +15,7 @@ pub(crate) trait Framing {
     fn is_whole(packet: &[u8]) -> bool;
 }
 
-/// Finds packets of at most `N` bytes. After a damaged packet it continues at that packet's second byte.
+/// A search for packets of at most `N` bytes. After a damaged packet it continues at that packet's second byte.
 #[derive(Debug, Clone)]
 pub(crate) struct Finder<const N: usize> {
     window: Window<N>,

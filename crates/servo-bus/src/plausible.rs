@@ -31,7 +31,7 @@ impl Plausible {
     }
 
     /// Returns the reading if it is believed. The first reading within bounds is always believed. `steps` is the number
-    /// of readings that were due since the last one that arrived.
+    /// of readings that were due since the last reading that arrived.
     pub fn accept(&mut self, reading: i32, steps: u32) -> Option<i32> {
         if !(self.least..=self.most).contains(&reading) {
             return None;

@@ -61,18 +61,18 @@ pub trait ServoBus {
 pub enum Command {
     /// Switches torque on or off.
     Torque(bool),
-    /// Moves to this position, rad, in the servo's own zero.
+    /// Moves to this position, rad, from the servo's own zero.
     Position(f32),
     /// Moves to this position with limited current.
     PositionWithin {
-        /// Position, rad, in the servo's own zero.
+        /// Position, rad, from the servo's own zero.
         position_rad: f32,
         /// Maximum current either way, A.
         current_a: f32,
     },
     /// Moves to this position with the servo's own motion profile.
     PositionAt {
-        /// Position, rad, in the servo's own zero.
+        /// Position, rad, from the servo's own zero.
         position_rad: f32,
         /// Maximum speed, rad/s. It is rounded up to the servo's next step of speed, and is valid until another speed
         /// is sent.
@@ -86,7 +86,7 @@ pub enum Command {
     Stiffness(u16),
 }
 
-/// The limit that made a servo get less than it was commanded.
+/// The reason why a servo gets less than it was commanded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Limit {
     /// The position is outside of the servo's range.
@@ -115,7 +115,7 @@ pub struct Request {
 /// A reading of a servo.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Feedback {
-    /// Position, rad, in the servo's own zero.
+    /// Position, rad, from the servo's own zero.
     pub position_rad: f32,
     /// Speed, rad/s.
     pub velocity_rad_s: f32,

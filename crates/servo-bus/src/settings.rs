@@ -44,7 +44,7 @@ pub struct ServoRequirements {
 /// A register and its required value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setting {
-    /// Register that is concerned.
+    /// Register that must hold the value.
     pub item: Item,
     /// Required value, in counts.
     pub raw: i32,
@@ -53,7 +53,7 @@ pub struct Setting {
 /// A rule for the required value of a register.
 #[derive(Debug, Clone, Copy)]
 enum RequiredValue {
-    /// This value.
+    /// Exactly this value, in counts.
     Exact(i32),
     /// The factory's value.
     Factory,
@@ -71,7 +71,8 @@ enum RequiredValue {
     Min,
     /// The maximum position.
     Max,
-    /// This value while torque is off. The bus itself writes it; a tool that sets up servos does not.
+    /// This value, which counts only while torque is off. The bus itself writes it; a tool that sets up servos does
+    /// not.
     TorqueOff(i32),
 }
 

@@ -32,9 +32,9 @@ use std::collections::VecDeque;
 
 use crate::wire::SILENCE_US;
 
-/// Silence after which an unfinished packet ends, and a servo that waits for a silent servo answers, ns. A program in
-/// real time may be paused inside a packet by the operating system: the silence of [`crate::bench::Bench`] would be too
-/// short for it.
+/// Silence, ns, after which an unfinished packet ends, and a servo no longer waits for a silent servo but answers. A
+/// program in real time may be paused inside a packet by the operating system: the silence of [`crate::bench::Bench`]
+/// would be too short for it.
 const SILENCE_NS: u64 = 2_000_000;
 
 /// Servos on a half-duplex wire, with their simulated time.

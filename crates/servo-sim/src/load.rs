@@ -60,7 +60,7 @@ pub struct Arm {
 pub(crate) const STOP_NM_RAD: f64 = 200.0;
 /// Stiffness of the stops of slides, N/m: that of turns at a distance of 30 mm from the axis.
 pub(crate) const STOP_N_M: f64 = STOP_NM_RAD / (0.03 * 0.03);
-/// Damping of a stop over its stiffness, s.
+/// Ratio of a stop's damping to its stiffness, s.
 pub(crate) const STOP_DAMPING_S: f64 = 0.002;
 
 /// Length of a small arm, m.

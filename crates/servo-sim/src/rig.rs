@@ -20,7 +20,7 @@ use crate::model::{Parameters, ParametersError};
 
 /// Minimum inertia that a servo moves: its horn, kg m².
 pub(crate) const HORN_KG_M2: f64 = 1e-4;
-/// Tolerance for a ratio of one turn of the joint for one turn of the servo.
+/// Maximum deviation from one turn of the joint for one turn of the servo.
 const DIRECT: f32 = 1e-3;
 
 /// A servo of a rig, with its load.
@@ -108,7 +108,7 @@ pub fn servos(
     Ok(servos)
 }
 
-/// Computes the efforts of all joints near the home pose.
+/// The efforts of all joints near the home pose.
 struct Joints<'r> {
     mechanism: &'r Mechanism,
     dynamics: InverseDynamics,

@@ -226,7 +226,7 @@ impl<E: Exchange> Client<E> {
         }
     }
 
-    /// Reads without an examination of the cause if no answer arrives.
+    /// Reads bytes, but does not examine why an answer is missing.
     pub(crate) fn try_read(
         &mut self,
         id: u8,

@@ -8,7 +8,7 @@ use crate::quantity::{Quantity, quantity};
 use crate::store::{set_torque, torque_is_on};
 use crate::{Client, Exchange, Registers, ServiceError, Servo};
 
-/// A register whose value differs from the required one.
+/// A register whose value differs from the required value.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Difference {
     /// Name of the register.

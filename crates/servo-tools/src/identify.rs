@@ -24,10 +24,10 @@ const WAY: Duration = Duration::from_secs(1);
 const LOOK: Duration = Duration::from_millis(50);
 /// Maximum distance between goal and position of a servo that rests, deg: a load makes it sag less than this.
 const THERE_DEG: f64 = 10.0;
-/// Change of the position at torque on that means that the servo counts turns anew, deg.
+/// Change of the position when torque is switched on, deg. A larger change means that the servo counts its turns from a
+/// new zero.
 const REBASED_DEG: f64 = 45.0;
-/// Smallest and largest measured motion, over the commanded one, of a servo that works: with much friction it moves
-/// half the way.
+/// Allowed range of measured over commanded motion. With much friction, a servo moves half of the commanded motion.
 const MOVED: [f64; 2] = [0.25, 1.5];
 
 /// The result of a motion that identifies a servo.

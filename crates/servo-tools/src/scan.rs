@@ -69,7 +69,7 @@ pub enum ScanEvent<'a> {
 const ALL_ANSWER: Duration = Duration::from_millis(3 * 253);
 /// Wait for the answers of Feetech servos to a common ping: they answer at the same time, or in a time slot each.
 const FEETECH_ANSWER: Duration = Duration::from_millis(260);
-/// Number of attempts for each id, if the answers to the common ping need a closer look.
+/// Number of attempts to reach an id that is asked alone.
 const TRIES: u32 = 2;
 
 /// Scans all rates. At each rate, all servos are asked together; unless all answers are clean, each id is then asked

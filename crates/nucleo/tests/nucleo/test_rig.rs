@@ -211,7 +211,7 @@ pub(crate) fn has_told(board: &Board<Emulated>, fault: Fault) -> bool {
     board.log.faults.iter().any(|record| record.fault == fault.number())
 }
 
-/// Sets the time in which a rig is lowered, s. The time must differ from the present one.
+/// Sets the time in which a rig is lowered, s. The time must differ from the present setting.
 pub(crate) fn set_lowering(board: &mut Board<Emulated>, lower_s: f32) {
     assert!((board.setting(LOWER_S).unwrap() - lower_s).abs() > 0.5, "it is another one");
     // The board restarts with the new setting, perhaps before its answer arrives.

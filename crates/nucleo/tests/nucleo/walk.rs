@@ -37,7 +37,7 @@ impl Tick {
 
 /// Returns whether two packets are position goals (profile velocity and position, from register 112 on) that differ by
 /// at most one count. Commands and answers are equal; only the clock differs, which the chip reads some us after the
-/// begin of its tick. The place where the clock changes a goal was not traced.
+/// start of its tick. The place where the clock changes a goal was not traced.
 fn differ_by_a_count(own: &[u8], chip: &[u8]) -> bool {
     const HEAD: [u8; 5] = [0x83, 112, 0, 8, 0];
     let count = usize::from(u16::from_le_bytes([own[5], own[6]]) - 7) / 9;
@@ -105,7 +105,7 @@ fn emulated_nucleo_walks_with_the_packets_of_the_controller_in_process() {
     // more tick.
     let limp = states.iter().rposition(|(_, state)| *state == State::Lowering).unwrap();
     let lowered = &ticks[..states[limp].0 as usize];
-    // Likewise for the second of arming: if it took one more tick, the clock was read later at its begin than at its
+    // Likewise for the second of arming: if it took one more tick, the clock was read later at its start than at its
     // end.
     let began = |state| states.iter().find(|(_, of)| *of == state).expect("it was told").0;
     let (arming, holding) = (began(State::Arming), began(State::Holding));

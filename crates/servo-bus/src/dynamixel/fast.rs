@@ -27,7 +27,7 @@ fn head(total: usize) -> [u8; HEAD_LEN] {
     [a, b, c, d, BROADCAST, low, high, STATUS]
 }
 
-/// Searches for the head of an answer of known length, and computes the CRC from there.
+/// A search for the head of an answer of known length. It computes the CRC from there on.
 #[derive(Debug, Clone)]
 struct Head {
     expected: [u8; HEAD_LEN],
@@ -53,8 +53,8 @@ impl Head {
     }
 }
 
-/// Splits the answer into the parts of the servos while it arrives. `N` is the size of the largest part: data plus 4
-/// bytes.
+/// A reader that splits the answer into the parts of the servos while it arrives. `N` is the size of the largest part:
+/// data plus 4 bytes.
 #[derive(Debug, Clone)]
 pub struct FastReader<const N: usize> {
     head: Head,

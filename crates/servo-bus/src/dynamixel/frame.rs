@@ -28,7 +28,7 @@ pub struct Packet<'a> {
     pub params: &'a [u8],
 }
 
-/// Writes one packet, and stuffs it while writing.
+/// A writer of one packet, which stuffs the packet while writing.
 pub struct FrameWriter<'a> {
     sink: Sink<'a>,
     run: Run,

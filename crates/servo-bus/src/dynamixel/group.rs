@@ -4,7 +4,7 @@ use super::frame::{BROADCAST, FrameWriter, MAX_ID};
 use super::instruction::Instruction;
 use crate::EncodeError;
 
-/// Writes a sync write instruction, servo by servo.
+/// A writer of a sync write instruction, servo by servo.
 ///
 /// ```
 /// use sinew_servo_bus::dynamixel::group::SyncWriter;
@@ -52,7 +52,7 @@ impl<'a> SyncWriter<'a> {
     }
 }
 
-/// Writes a bulk write instruction, servo by servo.
+/// A writer of a bulk write instruction, servo by servo.
 pub struct BulkWriter<'a> {
     frame: FrameWriter<'a>,
     wrong: Option<EncodeError>,

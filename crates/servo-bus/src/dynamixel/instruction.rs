@@ -11,21 +11,21 @@ pub enum Instruction<'a> {
     Ping,
     /// Reads `length` bytes.
     Read {
-        /// First address to read or write.
+        /// First address to read.
         address: u16,
-        /// Number of bytes.
+        /// Number of bytes to read.
         length: u16,
     },
     /// Writes at once.
     Write {
-        /// First address to read or write.
+        /// First address to write.
         address: u16,
         /// Bytes to write.
         data: &'a [u8],
     },
     /// Registers a write, which is executed when [`Self::Action`] arrives.
     RegWrite {
-        /// First address to read or write.
+        /// First address to write.
         address: u16,
         /// Bytes to write.
         data: &'a [u8],
@@ -44,7 +44,7 @@ pub enum Instruction<'a> {
     FastSyncRead(Span<'a>),
     /// Writes the same addresses of several servos. No servo answers.
     SyncWrite {
-        /// First address to read or write.
+        /// First address to write.
         address: u16,
         /// Number of bytes for each servo.
         length: u16,
@@ -62,7 +62,7 @@ pub enum Instruction<'a> {
 /// A range of addresses that is read from several servos.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Span<'a> {
-    /// First address to read or write.
+    /// First address to read.
     pub address: u16,
     /// Number of bytes from each servo.
     pub length: u16,

@@ -6,9 +6,9 @@ use super::frame::{
 };
 use crate::finder::{Finder, Framing};
 
-/// Finds packets in a stream that may be split, damaged or joined anywhere. `N` is the length of the longest packet
-/// that it accepts, in bytes on the wire; a header that announces a longer packet is ignored. An `N` of 7 (header, id
-/// and length) or less does not compile.
+/// A parser that finds packets in a stream, which may be split, damaged or joined anywhere. `N` is the length of the
+/// longest packet that it accepts, in bytes on the wire; a header that announces a longer packet is ignored. An `N` of
+/// 7 (header, id and length) or less does not compile.
 ///
 /// After a damaged packet, the parser searches for a header from the second byte of that packet on. It thus finds a
 /// whole packet that follows the damage, or even begins inside it. If a damaged length makes it wait for bytes that

@@ -28,7 +28,7 @@ pub(super) fn checksum(bytes: &[u8]) -> u8 {
     !bytes.iter().fold(0_u8, |sum, byte| sum.wrapping_add(*byte))
 }
 
-/// Writes one packet.
+/// A writer of one packet.
 pub(super) struct FrameWriter<'a> {
     sink: Sink<'a>,
     id: u8,

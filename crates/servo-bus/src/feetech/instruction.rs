@@ -11,21 +11,21 @@ pub enum Instruction<'a> {
     Ping,
     /// Reads `length` bytes.
     Read {
-        /// First address to read or write.
+        /// First address to read.
         address: u8,
-        /// Number of bytes.
+        /// Number of bytes to read.
         length: u8,
     },
     /// Writes at once.
     Write {
-        /// First address to read or write.
+        /// First address to write.
         address: u8,
         /// Bytes to write.
         data: &'a [u8],
     },
     /// Registers a write, which is executed when [`Self::Action`] arrives.
     RegWrite {
-        /// First address to read or write.
+        /// First address to write.
         address: u8,
         /// Bytes to write.
         data: &'a [u8],
@@ -43,7 +43,7 @@ pub enum Instruction<'a> {
     SetPosition(&'a [u8]),
     /// Reads the same addresses of several servos. Each servo answers with its own packet, in the order of `ids`.
     SyncRead {
-        /// First address to read or write.
+        /// First address to read.
         address: u8,
         /// Number of bytes from each servo.
         length: u8,
@@ -52,7 +52,7 @@ pub enum Instruction<'a> {
     },
     /// Writes the same addresses of several servos. No servo answers.
     SyncWrite {
-        /// First address to read or write.
+        /// First address to write.
         address: u8,
         /// Number of bytes for each servo.
         length: u8,
@@ -224,7 +224,7 @@ pub fn factory_reset(id: u8, out: &mut [u8]) -> Result<usize, EncodeError> {
     Instruction::FactoryReset.write(id, out)
 }
 
-/// Writes a sync write instruction, servo by servo, with the checks of [`Instruction::encode`].
+/// A writer of a sync write instruction, servo by servo, with the checks of [`Instruction::encode`].
 pub struct SyncWriter<'a> {
     frame: FrameWriter<'a>,
     family: Family,

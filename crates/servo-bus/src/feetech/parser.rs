@@ -3,9 +3,9 @@
 use super::frame::{BROADCAST, MIN_LENGTH, PREFIX_LEN, Packet, checksum};
 use crate::finder::{Finder, Framing};
 
-/// Finds packets in a stream that may be split, damaged or joined anywhere. `N` is the length of the longest packet
-/// that it accepts, in bytes; the protocol allows at most 259. An `N` of 4 (header, id and length) or less does not
-/// compile.
+/// A parser that finds packets in a stream, which may be split, damaged or joined anywhere. `N` is the length of the
+/// longest packet that it accepts, in bytes; the protocol allows at most 259. An `N` of 4 (header, id and length) or
+/// less does not compile.
 ///
 /// After a damaged packet, the parser searches for a header from the second byte of that packet on.
 #[derive(Debug, Clone)]

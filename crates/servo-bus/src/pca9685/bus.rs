@@ -19,7 +19,7 @@ pub struct ChannelSetup {
     /// Channel of the chip, 0 to 15.
     pub channel: u8,
     /// Pulses at the two ends of the range, us. 1000 and 2000 are safe for all servos; use a wider range only after
-    /// calibration. The second pulse may be the shorter one.
+    /// calibration. The second pulse may be shorter than the first.
     pub pulse_us: [f32; 2],
     /// Positions at these pulses, rad, the smaller first. They are also the range of the servo.
     pub range_rad: [f32; 2],

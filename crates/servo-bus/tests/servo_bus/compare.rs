@@ -97,7 +97,7 @@ fn feetech_bus(family: Family) -> feetech::Bus<1> {
     feetech::Bus::new(&[setup], schedule, settings).unwrap()
 }
 
-/// Returns a value that differs from the required one.
+/// Returns a value that differs from the required value.
 fn wrong(setting: &Setting) -> i32 {
     // A status level of 0 would make the servo silent.
     if setting.raw > 1 { setting.raw - 1 } else { setting.raw + 1 }

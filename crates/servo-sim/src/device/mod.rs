@@ -145,7 +145,7 @@ impl<'m> Servo<'m> {
         }
     }
 
-    /// Sets a register as in the factory, and restarts the servo.
+    /// Sets a register, even if a controller could not write it, and restarts the servo.
     pub fn set(&mut self, address: u16, value: i32) {
         match &mut self.program {
             Program::Dynamixel(servo) => servo.device.memory_mut().set(address, value),

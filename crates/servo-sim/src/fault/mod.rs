@@ -51,7 +51,7 @@ impl FaultKind {
 pub struct Fault {
     /// Index of the servo.
     pub servo: usize,
-    /// Begin of the fault, s.
+    /// Time at which the fault begins, s.
     pub at_s: f64,
     /// Duration of the fault, s; infinite if it does not end.
     pub for_s: f64,

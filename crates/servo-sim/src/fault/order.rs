@@ -19,7 +19,7 @@ use super::{Fault, FaultKind};
 pub struct FaultOrder {
     /// Id or name of the servo. The receiver of the order resolves it.
     pub servo: String,
-    /// Begin of the fault, s.
+    /// Time at which the fault begins, s.
     pub at_s: f64,
     /// Duration of the fault, s; infinite if it does not end.
     pub for_s: f64,

@@ -145,10 +145,12 @@ impl Gear {
 
     /// Solves one step. The ends are linked unless the windup is zero.
     ///
-    /// With h the step: (Jr/h + s + b + c) r - c q = Jr/h r0 + m - K u - f and (Jl/h + c) q - c r = Jl/h q0 + K u + e -
-    /// g, where K u + c (r - q) is the gear's torque; f and g stop the ends if they can, otherwise oppose their motion.
-    /// The matrix is positive definite, so there is exactly one solution: the shaft turns forwards, backwards, or
-    /// rests.
+    /// The step is h. The unknowns are the new speeds r and q of rotor and shaft; r0 and q0 are the old speeds, Jr and
+    /// Jl the inertias. The motor's torque is m - s r; b is the viscous damping, u the windup, K the stiffness, c the
+    /// link, e the load's torque. Then (Jr/h + s + b + c) r - c q = Jr/h r0 + m - K u - f and (Jl/h + c) q - c r = Jl/h
+    /// q0 + K u + e - g, where K u + c (r - q) is the gear's torque; f and g stop the ends if they can, otherwise
+    /// oppose their motion. The matrix is positive definite, so there is exactly one solution: the shaft turns
+    /// forwards, backwards, or rests.
     fn solve(
         &self,
         dt_s: f64,

@@ -6,7 +6,7 @@ use sinew_rig::mechanism::JointModel;
 
 /// Stiffness of a hand, as a part of a stop's stiffness.
 const FIRM: f64 = 0.25;
-/// Damping of a hand over its stiffness, s: a hand does not swing.
+/// Ratio of a hand's damping to its stiffness, s: a hand does not swing.
 const DAMPING_S: f64 = 0.02;
 
 /// A hand on one joint: a spring and a damper to the position that it wants.

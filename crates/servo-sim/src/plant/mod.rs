@@ -4,10 +4,10 @@
 //! for any of their stiffnesses. The gears belong to the servos. A servo computes the torque of its gear before the rig
 //! moves, so it must predict its shaft. It assumes the acceleration of the last step, and that its own torque changes
 //! this acceleration by at most `1 / Σ |W|` over the row of `W = B M⁻¹ Bᵀ`, which gives the shafts' accelerations for
-//! torques on all shafts. As `Σ |W| ≥ W` as matrices, no torque overshoots, however stiff gears are and however light
-//! the rig is; for a single servo the prediction is exact. The servo's torque on the shaft is that of the gear minus
-//! the friction at the shaft. At rest the predicted shaft is the real one, so friction holds a joint in place. A force
-//! that begins to push moves a joint for some steps, until the servos react.
+//! torques on all shafts. Since `Σ |W| ≥ W` as matrices, no torque overshoots, however stiff gears are and however
+//! light the rig is; for a single servo the prediction is exact. The servo's torque on the shaft is that of the gear
+//! minus the friction at the shaft. At rest the predicted shaft is the real one, so friction holds a joint in place. A
+//! force that begins to push moves a joint for some steps, until the servos react.
 
 mod drives;
 mod hand;

@@ -421,7 +421,7 @@ fn friction_at_shafts_holds_beside_what_swings() {
     }
     println!("{swung} rad/s: {after:?} rad");
     assert!(swung > 0.5, "{swung}");
-    // The push moved the joint at its begin; 60 swings add almost nothing.
+    // The push moved the joint at the start; 60 swings add almost nothing.
     assert!(after[0] < 5e-5 && (after[3] - after[0]).abs() < 1e-7, "{after:?}");
 }
 

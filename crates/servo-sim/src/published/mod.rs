@@ -33,8 +33,8 @@ pub struct Row {
     pub expected: Option<f64>,
     /// Simulated value.
     pub simulated: f64,
-    /// Tolerance of the simulated value round the expected value, or round the published value if there is none; `None`
-    /// for a published value that is known not to fit, and is only shown.
+    /// Tolerance of the simulated value around the expected value, or around the published value if there is none;
+    /// `None` for a published value that is known not to fit, and is only shown.
     pub within: Option<f64>,
     /// Whether parameters were chosen to match this value. Only other values are evidence.
     pub is_fitted: bool,

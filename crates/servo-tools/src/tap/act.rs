@@ -15,7 +15,7 @@ use crate::{Client, Exchange, ServiceError, Servo, Table};
 
 /// Operating mode of Dynamixels: position with a current limit.
 const MODE_CURRENT_POSITION: i32 = 5;
-/// Motion that counts as the begin of creeping, in counts.
+/// Motion that counts as the start of creeping, in counts.
 const MOVES: i32 = 3;
 /// Step by which the torque limit grows every [`RAMP`] until the servo creeps, as a part of the full torque.
 const RAMP_PART: f64 = 0.005;
@@ -32,7 +32,8 @@ const LEAST_WAY: i32 = 10;
 const LOOK: Duration = Duration::from_millis(50);
 /// Wait after the way back, before the servo is checked for rest.
 const SETTLE: Duration = Duration::from_millis(200);
-/// Minimum time without motion of more than a count that counts as rest. The wait for it takes at most [`MOST_SETTLE`].
+/// Time for which the position must stay within one count to be at rest. The wait for rest takes at most
+/// [`MOST_SETTLE`].
 const STANDS: Duration = Duration::from_millis(80);
 const MOST_SETTLE: Duration = Duration::from_secs(2);
 
@@ -427,7 +428,7 @@ fn back<E: Exchange>(
     Ok(reached)
 }
 
-/// Waits until the servo rests. With much play in its gear, it would swing round its goal for long: at first, its
+/// Waits until the servo rests. With much play in its gear, it would swing around its goal for long: at first, its
 /// torque is so low that friction stops it. If this torque is too low to hold the load, the servo gets the torque to
 /// return.
 fn settle<E: Exchange>(

@@ -45,8 +45,8 @@ pub struct Fitted {
 /// Number of values that all taps share: logarithms of stiffness, damping, drag and torque, relative to the expected
 /// values; and the delay of the step.
 const SHARED: usize = 5;
-/// Number of a tap's own values, in units of their expected sizes: position, speed, windup, windup speed, torque, and
-/// delay.
+/// Number of values of a single tap, each in units of its expected size: position, speed, windup, windup speed, torque,
+/// and delay.
 const OWN: usize = 6;
 /// Index of the delay among a tap's own values.
 const DELAY: usize = 5;
@@ -58,7 +58,7 @@ const LEFT_OVER: f64 = 0.3;
 const DELAY_S: f64 = 5e-4;
 /// Expected size of the delay that all taps share, s.
 const SHARED_DELAY_S: f64 = 2e-3;
-/// Expected spread of the drag round its expected value, as a logarithm.
+/// Expected spread of the drag around its expected value, as a logarithm.
 const DRAG_SPREAD: f64 = 0.1;
 /// Deviation of a correct reading, counts.
 const NOISE_COUNTS: f64 = 0.3;
@@ -168,7 +168,8 @@ impl Problem<'_> {
         [1.0, 10.0, windup, windup * joint.ring_rad_s(), LEFT_OVER * self.full_nm]
     }
 
-    /// Returns the columns of a tap's own numbers except the delay, and the effect of the step: value and speed.
+    /// Returns the coefficients of a tap's own numbers (except the delay) in its position, and the effect of the step:
+    /// position and speed.
     fn columns(
         &self,
         shared: &Shared,
@@ -260,7 +261,7 @@ impl Problem<'_> {
                 }
             }
         }
-        // The own numbers have a prior round 0.
+        // The own numbers have a prior around 0.
         for (at, own) in own.iter().chain([&delay]).enumerate() {
             sums[at][at] += 1.0;
             sums[at][OWN + SHARED] -= own;

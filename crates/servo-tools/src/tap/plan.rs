@@ -12,7 +12,7 @@ pub(super) enum Direction {
     Up,
     /// Towards smaller positions.
     Down,
-    /// Alternating.
+    /// Alternating between both directions.
     Both,
 }
 
@@ -70,9 +70,9 @@ const CREEP_RAD: f64 = 0.08;
 const WAY_MARGIN: f64 = 1.15;
 /// Factor on the motion of a tap, for the distance of braking.
 const BRAKE_MARGIN: f64 = 1.3;
-/// Torque of the way back beyond gravity, as a part of the full torque.
+/// Torque of the way back, in addition to gravity, as a part of the full torque.
 const BACK_PART: f64 = 0.3;
-/// Torque at rest beyond twice the torque of gravity, as a part of the full torque: less than friction.
+/// Torque at rest, in addition to twice the torque of gravity, as a part of the full torque: less than friction.
 const CALM_PART: f64 = 0.02;
 /// Usual friction, as a part of the full torque.
 const FRICTION_PART: f64 = 0.1;

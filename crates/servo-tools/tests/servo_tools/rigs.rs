@@ -110,7 +110,7 @@ fn what_a_new_servo_lacks_is_named_applied_and_gone() {
         assert_eq!(names(&applied.written), missing);
         assert!(!applied.let_go);
         assert_eq!(diff(&mut client, &servo, &settings).unwrap(), []);
-        // The lock of a Feetech is opened and shut round each of the four EEPROM registers.
+        // The lock of a Feetech is opened before and shut after each of the four EEPROM registers.
         let locks = if kind.starts_with("STS") { 8 } else { 0 };
         assert_eq!(client.line_mut().writes() - before, missing.len() + locks, "only what differs");
         // The second time there is nothing to write.

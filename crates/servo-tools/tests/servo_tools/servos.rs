@@ -217,7 +217,7 @@ fn lost_and_damaged_replies_are_asked_again_and_none_is_believed() {
 #[test]
 fn late_answers_are_not_taken_for_those_to_the_next_question() {
     for kind in KINDS {
-        // One wait is 34 ms plus the time of the bytes: the delays are within one, two and three waits, and beyond.
+        // One wait is 34 ms plus the time of the bytes: the delays are within one, two and three waits, and longer.
         for late_us in [20_000, 50_000, 90_000, 130_000] {
             let mut client = client(&[(kind, 1)]);
             let servo = client.open(1, None).unwrap();

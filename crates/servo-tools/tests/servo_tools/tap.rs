@@ -177,7 +177,7 @@ fn a_servo_that_limits_its_current_is_tapped_as_others() {
     let case = Case::new("XL330-M288-T", 1.0, &[]);
     let tapped = case.tap_on(case.line(&[(MODE, 5)]), &case.settings(150)).unwrap();
     assert!(case.off(&tapped).iter().all(|off| off.abs() < 0.2), "{tapped}");
-    // The same test with a current limit that is lower than the tap needs.
+    // Now with a current limit that is lower than the tap needs.
     let line = case.line(&[(MODE, 5), (38, 700)]);
     let error = case.tap_on(line, &case.settings(150)).unwrap_err().to_string();
     assert!(

@@ -28,7 +28,7 @@ impl<const N: usize> Servo<'_, N> {
         }
     }
 
-    /// Processes a reply of another servo: it may make this servo's turn come.
+    /// Processes a reply of another servo: afterwards it may be this servo's turn.
     pub(super) fn hear_status(&mut self, id: u8) {
         if matches!(self.turn, Some(Turn { after: After::Servo(before), .. }) if before == id) {
             self.take_turn();

@@ -33,10 +33,10 @@ const EEPROM_LEN: usize = address::TORQUE_ENABLE as usize;
 const LONGEST: usize = 259;
 /// A simulated servo on a bus line.
 ///
-/// Where the manuals leave the behaviour open, the device follows measurements on an STS3215 (feetech-cli 0.1.8,
-/// `simulator.py`): a write of the goal position switches torque on, and a refused write is not reported. A value
-/// written to EEPROM while the lock is shut is valid until a reboot. The manuals say that Return Delay has no effect on
-/// STS, so this device ignores it.
+/// Behaviour that the manuals do not describe follows measurements on an STS3215 (feetech-cli 0.1.8, `simulator.py`): a
+/// write of the goal position switches torque on, and a refused write is not reported. A value written to EEPROM while
+/// the lock is shut is valid until a reboot. The manuals say that Return Delay has no effect on STS, so this device
+/// ignores it.
 pub struct Device<'m> {
     table: Table,
     memory: &'m mut [u8],

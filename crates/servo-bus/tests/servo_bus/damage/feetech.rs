@@ -74,7 +74,7 @@ impl<const IS_SCS: bool> Feetech<IS_SCS> {
         3.0 / Self::reply(0, self.reading(0, Self::RANGE[0])).len() as f64
     }
 
-    /// Returns the share of positions that are near the last one, which is at most two ticks old on average.
+    /// Returns the share of positions that are near the last position, which is at most two ticks old on average.
     #[expect(clippy::unused_self, reason = "beside the two above")]
     pub(crate) fn near_share(&self) -> f64 {
         let near = 2 * 2 * (step::<Self>() + most_move::<Self>()) + 1;

@@ -66,7 +66,7 @@ fn check_feetech<const IS_SCS: bool>(wire: &Feetech<IS_SCS>, ticks: usize) -> Co
     let moved = damaged * 3.0 / 7.0 * wire.moved_share() / 256.0 * wire.near_share();
     println!("wrong positions expected: {flipped:.1} of flipped bits, {moved:.1} of moved bytes");
     assert!(count.wrong_positions <= at_most(flipped + moved));
-    // After a wrong position, a right one may be too far away. The next reading confirms it.
+    // After a wrong position, a right position may be too far away. The next reading confirms it.
     assert!(count.doubted <= count.wrong_positions);
     // A damaged reply may use the beginning of the next reply as its own end: then one sum in 256 is right.
     assert!(count.hidden <= at_most(damaged / 256.0));
