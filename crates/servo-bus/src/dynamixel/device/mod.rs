@@ -22,7 +22,7 @@ use servo::{Answers, Servo};
 
 /// A simulated servo on a bus line. `N` is the length of the longest packet that it can receive or send.
 ///
-/// If the behaviour of real servos was not observed, the device follows the text of the protocol:
+/// Behaviour of real servos that was not observed follows the text of the protocol:
 /// - in a sync or bulk read it answers after the servo before it; if that servo stays silent, it answers after a
 ///   silence;
 /// - in a fast read it never answers without the servos before it: the CRC needs their bytes;
