@@ -192,7 +192,7 @@ pub fn dynamixel(
     dynamixel_of(table, requirements, false)
 }
 
-/// Like [`dynamixel`], with the requirements before arming: torque off, and the watchdog set.
+/// Like [`dynamixel()`], with the requirements before arming: torque off, and the watchdog set.
 pub(crate) fn dynamixel_limp(
     table: dynamixel_servos::table::Table,
     requirements: ServoRequirements,
@@ -230,7 +230,7 @@ pub fn feetech(
     feetech_of(family, requirements, false)
 }
 
-/// Like [`feetech`], with the requirement before arming: torque off.
+/// Like [`feetech()`], with the requirement before arming: torque off.
 pub(crate) fn feetech_limp(
     family: feetech_servos::Family,
     requirements: ServoRequirements,
