@@ -22,7 +22,7 @@ pub(super) fn read<'a, 'd>(
     description: &mut Description,
     notes: &mut Notes,
 ) -> Result<(), ImportError> {
-    // Efforts of the actuators of a joint are added; the sum is dropped if one of them has no limit.
+    // Joints that an earlier actuator drives: the effort limits of further actuators are added to theirs.
     let mut driven: BTreeSet<&str> = BTreeSet::new();
     let mut any = false;
     let sections = xml::children(root, "actuator").flat_map(|section| section.children());
