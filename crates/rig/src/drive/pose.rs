@@ -106,7 +106,7 @@ impl DrivePose<'_> {
     }
 
     /// Converts inertias of the servos' rotors at their shafts (kg m²) to the inertia that they add to each dof, kg
-    /// m² or kg. The same conversion applies to viscous friction.
+    /// m² or kg. Viscous friction is converted in the same way.
     ///
     /// The result is the diagonal of `G⁺ᵀ J G⁺`. It leaves out the coupling of dofs through unequal servos, which a
     /// joint's own inertia cannot represent. If there are more dofs than servos (mimic joints), the dofs cannot
