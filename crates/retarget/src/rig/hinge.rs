@@ -46,7 +46,7 @@ pub(super) fn hinge(
     })
 }
 
-/// Bends to the side where the range is longer.
+/// Returns the sign of the angle that bends the limb: towards the longer side of the range, if they differ.
 fn by_range(rig: &AtZero<'_>, joint: usize, straight_rad: f64) -> Option<f64> {
     let [least, most] = *rig.mechanism.bodies[joint].ranges.first()?;
     let (up, down) = ((most - straight_rad).max(0.0), (straight_rad - least).max(0.0));
@@ -55,7 +55,7 @@ fn by_range(rig: &AtZero<'_>, joint: usize, straight_rad: f64) -> Option<f64> {
     ((up - down).abs() > EQUAL * up.max(down)).then(|| (up - down).signum())
 }
 
-/// Bends knees backwards, and elbows of hanging arms forwards.
+/// Returns the sign of the angle that bends the limb: knees bend backwards, elbows of hanging arms forwards.
 fn by_anatomy(
     landmark: Landmark,
     axis: DVec3,

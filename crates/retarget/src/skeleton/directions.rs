@@ -55,7 +55,7 @@ struct Axes {
     arms: Option<DVec3>,
     /// From right to left.
     left: DVec3,
-    /// Whether each leg points where both do.
+    /// Whether both legs have similar directions.
     legs_together: bool,
 }
 
