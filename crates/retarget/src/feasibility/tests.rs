@@ -88,7 +88,7 @@ fn a_fit_to_tighter_limits_goes_on_from_the_one_before() {
         refit(&arm, &tight, &motion, &first.progress, settings).unwrap(),
     ];
     exceeds_nothing(&arm, &tight, &again.motion);
-    // As slow as necessary, and hardly slower than without the earlier fit.
+    // It is as slow as necessary, and hardly slower than without the earlier fit.
     let [anew_s, again_s] = [anew, again].map(|fit| fit.motion.duration_s());
     assert!(again_s > 1.05 * first.motion.duration_s(), "{again_s}");
     assert!(again_s < 1.1 * anew_s, "{again_s} {anew_s}");

@@ -82,7 +82,7 @@ pub(super) fn candidates(body: &Body, kind: LimbKind) -> Vec<Limb> {
         let by_longest = (limb.lengths[0] + limb.lengths[1]) / longest;
         limb.score -= 0.3 * libm::log(by_longest / kind.by_leg()).abs().min(3.0);
     }
-    // Of equal candidates the one nearer to the root is preferred, because it carries the others.
+    // Among equal candidates, the one nearer to the root is preferred, because it carries the others.
     limbs.sort_by(|a, b| b.score.total_cmp(&a.score).then(a.joints.cmp(&b.joints)));
     let mut kept = [0; 3];
     limbs.retain(|limb| {

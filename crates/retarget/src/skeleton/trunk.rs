@@ -107,7 +107,7 @@ pub(super) fn toe(body: &Body, ankle: usize) -> Option<usize> {
     let says = |joint: &usize| body.names[*joint].says(Part::Toe);
     let best = below.iter().max_by(|a, b| says(a).total_cmp(&says(b)));
     if let Some(best) = best.map(says).filter(|best| *best > 0.0) {
-        // Of five toes the longest is used, and of its joints the first.
+        // Among five toes the longest is used, and among its joints the first.
         let is_best = |joint: usize| joint != ankle && says(&joint) >= best;
         let is_first = |joint: &&usize| {
             is_best(**joint) && body.parent(**joint).is_none_or(|parent| !is_best(parent))

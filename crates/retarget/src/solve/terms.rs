@@ -39,7 +39,7 @@ impl Target {
 #[derive(Debug, Clone, Copy)]
 struct Mover {
     dof: usize,
-    /// Whether it moves the point from which a direction goes, and the one to which.
+    /// Whether the dof moves the point where a direction begins, and the point where it ends.
     from: bool,
     to: bool,
     slides: bool,

@@ -219,7 +219,7 @@ fn every_file_of_the_data() {
     assert!(count >= 816, "{count} files");
 }
 
-/// The same files with names without meaning.
+/// Tests all files again, with names that have no meaning.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn without_names_the_tree_and_the_motion_tell() {

@@ -9,7 +9,7 @@ use sinew_retarget::skeleton::{FigureMapping, MapHead, SkeletonMatch, figure_map
 /// A recorded file for each hand-written map.
 const FILES: [(&str, &str); 11] = [
     ("asfamc", "cmu/fight/135_06.bvh"),
-    // The same file with the names of the ASF.
+    // The first file again, with the names of the ASF.
     ("cmu_asf", "cmu/fight/135_06.bvh"),
     ("cgspeed_mb_asf", "cmu/broad-12hz/16_01.bvh"),
     ("bandai", "bandai/fight/dataset-1_slash_normal_001.bvh"),
