@@ -18,7 +18,7 @@ pub struct EncodingError {
 }
 
 impl EncodingError {
-    /// The first byte that is none.
+    /// Returns the offset of the first invalid byte.
     pub const fn at(self) -> usize {
         self.at
     }

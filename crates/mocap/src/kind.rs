@@ -11,11 +11,11 @@ use crate::encoding;
 pub enum Kind {
     /// Biovision Hierarchy: a skeleton and its motion.
     Bvh,
-    /// Acclaim's skeleton.
+    /// An Acclaim skeleton.
     Asf,
-    /// Acclaim's motion.
+    /// An Acclaim motion.
     Amc,
-    /// `DeepMimic`'s motion.
+    /// A `DeepMimic` motion.
     DeepMimic,
     /// A character in glTF, GLB or VRM.
     Gltf,
@@ -37,7 +37,7 @@ pub enum Kind {
     RigMapping,
     /// A mapping onto the figure.
     FigureMapping,
-    /// A grid of setups.
+    /// A sweep: a grid of setups to evaluate.
     Sweep,
     /// Another TOML file.
     Toml,

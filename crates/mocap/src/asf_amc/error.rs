@@ -76,9 +76,9 @@ pub enum Problem {
          supported"
     )]
     NotRotation {
-        /// The bone.
+        /// Name of the bone.
         bone: String,
-        /// The degree of freedom.
+        /// Name of the dof.
         found: String,
     },
     /// The bone is missing in the hierarchy.

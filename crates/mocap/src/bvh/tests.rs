@@ -367,7 +367,7 @@ proptest! {
     }
 }
 
-/// As in `MakeHuman`'s files of a face.
+/// Tests positions as `MakeHuman` writes them in files of a face.
 #[test]
 fn positions_near_zero_are_displacements() {
     let text = VALID

@@ -62,7 +62,7 @@ struct OfServo {
 /// Returns the JSON of a rig's servos, with every servo in every frame.
 ///
 /// # Errors
-/// [`BlenderError`] if there are no frames, or the servos are invalid.
+/// [`BlenderError`] if there are no frames.
 pub fn write(rig: &str, tracks: &[ServoTrack], fps: f64) -> Result<String, BlenderError> {
     let frames = tracks.iter().map(|track| track.positions.len()).max().unwrap_or(0);
     if frames == 0 {

@@ -21,7 +21,7 @@ pub(super) fn words(name: &str) -> Vec<Word> {
     known.filter(|word| *word != Word::Noise).collect()
 }
 
-/// Returns whether part of a name contains more than the word joint.
+/// Returns whether part of a name contains more than words without meaning, such as joint.
 fn names_a_joint(part: &str) -> bool {
     let is_noise = |token: &String| {
         in_words(token, false).is_some_and(|words| words.iter().all(|word| *word == Word::Noise))

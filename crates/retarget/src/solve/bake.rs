@@ -18,7 +18,7 @@ use crate::{Landmark, Side};
 /// Sweeps per frame: for posture alone, and with root and feet.
 const POSTURE_SWEEPS: usize = 1;
 const SWEEPS: usize = 2;
-/// Sweeps of the first frame.
+/// Number of sweeps of the first frame.
 const FIRST_SWEEPS: usize = 30;
 /// Weights of the hips' position and of a toe's position (in the air, and standing), divided by the squared leg
 /// length.

@@ -6,7 +6,7 @@ use super::solver::Solver;
 /// Number of random starts in addition to home, and their maximum distance from home, rad.
 const STARTS: usize = 15;
 const SPREAD_RAD: f64 = 1.6;
-/// Sweeps of each start.
+/// Maximum number of sweeps of each start.
 const SWEEPS: usize = 40;
 /// Weight of a squared radian from home when starts are compared.
 const FROM_HOME: f64 = 0.01;

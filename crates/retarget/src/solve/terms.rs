@@ -45,7 +45,7 @@ struct Mover {
     slides: bool,
 }
 
-/// A kind with the dofs that move it.
+/// A property with the dofs that affect it.
 #[derive(Debug, Clone)]
 pub(super) struct Term {
     pub(super) kind: Kind,

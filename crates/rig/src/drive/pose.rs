@@ -18,11 +18,11 @@ pub struct DrivePose<'d> {
 /// Relation between small motions of servos and joints.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Tangent<'d> {
-    /// `q̇ = G ṡ`.
+    /// Linear: `q̇ = G ṡ`.
     Matrix(&'d Matrix),
-    /// `ω = J G ṡ`, with the right Jacobian of the rotation vector.
+    /// Ball joint: `ω = J G ṡ`, with the right Jacobian of the rotation vector.
     Ball(&'d Matrix, RightJacobian),
-    /// `q̇ = slope ṡ`.
+    /// One dof: `q̇ = slope ṡ`.
     Slope(f32),
 }
 

@@ -1,4 +1,4 @@
-//! A joint of these rigs.
+//! A revolute joint of the starting rigs.
 
 use crate::description::Joint;
 

@@ -1,4 +1,4 @@
-//! The visitor that prints fields.
+//! The visitor that writes fields as text.
 
 use std::convert::Infallible;
 

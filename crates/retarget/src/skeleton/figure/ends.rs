@@ -12,7 +12,7 @@ use super::super::vocabulary::Word;
 const HAND_BY_FOREARM: f64 = 0.74;
 /// Accepted length of a file's hand relative to the forearm; a shorter one is a stub.
 const HAND_SHOWN: std::ops::RangeInclusive<f64> = 0.25..=1.3;
-/// Maximum length, relative to the forearm, of a hand without palm: its first bone has zero length.
+/// Minimum length, relative to the forearm, of a hand whose first bone has zero length. A shorter one lacks its palm.
 const HAND_WITH_PALM: f64 = 0.5;
 /// Height of the ankle above the sole, relative to the shank (from the same figure: 0.039 and 0.246 of the
 /// stature).

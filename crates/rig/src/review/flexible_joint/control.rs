@@ -9,7 +9,7 @@ use super::plant::{FlexibleJoint, Step};
 /// estimated disturbance and predicts over the latency ([`sinew_core::observer`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ControlLoop {
-    /// Period, s.
+    /// Control period, s.
     pub dt_s: f64,
     /// Delay until a torque acts, in ticks; the observer predicts over it.
     pub latency_ticks: usize,
@@ -17,7 +17,7 @@ pub struct ControlLoop {
     pub late_s: f64,
     /// Bandwidth of the observer, rad/s.
     pub bandwidth_rad_s: f64,
-    /// Stiffness, 1/s².
+    /// Stiffness per inertia, 1/s².
     pub kp_per_s2: f64,
     /// Share of the commanded torque that the servo gives. Differs from 1 for a wrong torque constant or inertia.
     pub torque_share: f64,
