@@ -53,7 +53,7 @@ pub fn check(
 /// Values accumulated over the instants so far.
 pub(super) struct Tally<'a> {
     limits: &'a Limits,
-    /// Dofs whose excesses [`Self::take`] returns; `None` for all dofs.
+    /// Dofs whose excesses `take` reports; `None` for all dofs.
     pub(super) watched: Option<&'a [bool]>,
     dt_s: f64,
     /// Index in `q` of each dof's position; `None` for ball joints and a driven base.

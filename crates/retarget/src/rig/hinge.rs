@@ -8,7 +8,8 @@ use crate::Landmark;
 
 /// Relative difference up to which the ranges on both sides of straight count as equal.
 const EQUAL: f64 = 0.15;
-/// Cosine that limits the angles between an axis and the limb it bends, and between a hanging limb and down.
+/// Maximum cosine between a hinge axis and the limb that it bends, and minimum cosine between a hanging limb and
+/// down.
 const ACROSS: f64 = 0.7;
 
 /// Returns the hinge of a group of joints between two segments of a limb, in the world at zero; `None` if no axis

@@ -223,8 +223,8 @@ fn kind(has: &impl Fn(Word) -> bool, side: Option<Side>) -> Kind {
 type Meaning = (&'static [Word], Option<bool>, &'static [(Part, f64)]);
 
 /// Meanings of word combinations; the first row that fits is used. A row contains the words, whether the joint is
-/// on a side (if it matters), and the parts that they may mean, with relative weights of how often makers of files
-/// use them so.
+/// on a side (if it matters), and the parts that they may mean, with relative weights: how often makers of files use
+/// the words in this meaning.
 const MEANINGS: &[Meaning] = {
     use Part::{
         Ankle, Chest, Clavicle, Elbow, Head, Hip, Knee, Neck, Pelvis, Shoulder, Spine, Toe, Wrist,

@@ -10,7 +10,7 @@ const SPREAD_RAD: f64 = 1.6;
 const SWEEPS: usize = 40;
 /// Weight of a squared radian from home when starts are compared.
 const FROM_HOME: f64 = 0.01;
-/// Another start is chosen only if its cost is below this share of the best, and lower by [`BETTER_BY`].
+/// Another start is chosen only if its cost is below this share of the best, and lower by `BETTER_BY`.
 const BETTER_PART: f64 = 0.6;
 const BETTER_BY: f64 = 0.05;
 /// Step, rad or m, below which a start is settled: it moves by only about ten further steps of this size, therefore

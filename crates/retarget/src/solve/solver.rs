@@ -12,7 +12,7 @@ use crate::LandmarkMap;
 use crate::performer::PerformerFrame;
 use crate::rig::RigMatch;
 
-/// Weight that pulls a joint to its position of 1/30 s ago, per rad². Together with [`HOME`], it decides where no
+/// Weight that pulls a joint to its position of 1/30 s ago, per rad². Together with `HOME`, it decides where no
 /// term does.
 const STILL: f64 = 0.01;
 

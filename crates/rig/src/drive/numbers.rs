@@ -17,7 +17,7 @@ pub(super) const LARGEST: f32 = 1e6;
 /// the joint.
 pub(super) const LEAST_MOTION: f32 = 1e-6;
 
-/// Checks the count of numbers, and that each is finite and at most [`LARGEST`].
+/// Checks the count of numbers, and that each is finite and at most `LARGEST`.
 pub(super) fn check(
     what: &'static str,
     expected: usize,

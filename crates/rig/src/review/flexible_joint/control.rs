@@ -93,7 +93,7 @@ pub(super) struct OpenLoop {
     acting: Vec<f64>,
 }
 
-/// Numbers in the state of the joint, and of the estimate.
+/// Number of values in the joint's state, and in the estimate's state.
 const JOINT: usize = 4;
 const ESTIMATE: usize = 3;
 
