@@ -1,24 +1,14 @@
 //! A whole rig on the shafts of its servos: servos affect each other, and gravity depends on the pose.
 //!
-<<<<<<< HEAD
-//! The speeds of all joints after a step are one system of linear equations, implicit in frictions, stops and gears:
-//! stable at any stiffness of theirs. A servo solves its own step before the rig moves, so it foresees its shaft: it
-//! takes the acceleration of the last step, and that its own torque changes it by `1 / Σ |W|` over the row of
-//! `W = B M⁻¹ Bᵀ`, the shafts' accelerations for torques on all. This decides whether teeth touch and what friction
-//! holds. Then the rig moves with the torque of the gear as a line over the shaft's speed ([`Push`]), and shaft and rotor
-//! go where that system has them: an explicit torque, of the foreseen speed alone, makes light bodies on stiff gears
-//! diverge. Where all is at rest the foreseen shaft is the real one, so friction holds a joint where it is; what begins
-//! to push a joint moves it until the servos have felt it, some steps long.
-=======
-//! The speeds of all joints after a step are the solution of one linear system, implicit in frictions and stops: stable
-//! for any of their stiffnesses. The gears belong to the servos. A servo computes the torque of its gear before the rig
+//! The speeds of all joints after a step are the solution of one linear system, implicit in frictions, stops and gears:
+//! stable for any of their stiffnesses. The gears belong to the servos. A servo solves its own step before the rig
 //! moves, so it must predict its shaft. It assumes the acceleration of the last step, and that its own torque changes
-//! this acceleration by at most `1 / Σ |W|` over the row of `W = B M⁻¹ Bᵀ`, which gives the shafts' accelerations for
-//! torques on all shafts. Since `Σ |W| ≥ W` as matrices, no torque overshoots, however stiff gears are and however
-//! light the rig is; for a single servo the prediction is exact. The servo's torque on the shaft is that of the gear
-//! minus the friction at the shaft. At rest the predicted shaft is the real one, so friction holds a joint in place. A
-//! force that begins to push moves a joint for some steps, until the servos react.
->>>>>>> h-e2
+//! this acceleration by `1 / Σ |W|` over the row of `W = B M⁻¹ Bᵀ`, which gives the shafts' accelerations for torques on
+//! all shafts. The prediction decides whether teeth touch and which ends friction holds. Then the rig moves with the
+//! torque of each gear as a line over the speed of its shaft ([`Push`]), and shaft and rotor take the speeds of the
+//! common solution. Torques of predicted shafts alone would be explicit: light bodies on stiff gears would diverge. At
+//! rest the predicted shaft is the real one, so friction holds a joint in place. A force that begins to push moves a
+//! joint for some steps, until the servos react.
 
 mod drives;
 mod hand;
@@ -302,14 +292,9 @@ impl RigPlant {
         self.mechanics.energy_j()
     }
 
-<<<<<<< HEAD
-    /// Accelerations of the ways over a step, and what each servo works against in the next one. `foreseen`: the shafts
-    /// as the servos foresaw them.
-    fn accelerate(&mut self, dt_s: f64, pushes: &[Push], foreseen: &[Shaft]) -> Vec<f64> {
-=======
     /// Returns the accelerations of the motions over a step. Also computes the loads of the servos for the next step.
-    fn accelerate(&mut self, dt_s: f64, torques_nm: &[f64]) -> Vec<f64> {
->>>>>>> h-e2
+    /// `foreseen` are the shafts as the servos predicted them.
+    fn accelerate(&mut self, dt_s: f64, pushes: &[Push], foreseen: &[Shaft]) -> Vec<f64> {
         let ways = self.joints.len();
         self.matrix.fill(0.0);
         for row in 0..ways {
@@ -377,13 +362,8 @@ impl RigPlant {
         }
     }
 
-<<<<<<< HEAD
-    /// What each servo works against in the next step: see [the module](self).
-    fn foresee(&mut self, dt_s: f64, accelerations: &[f64], pushes: &[Push], foreseen: &[Shaft]) {
-=======
     /// Computes the load of each servo for the next step: see [the module](self).
-    fn foresee(&mut self, accelerations: &[f64], torques_nm: &[f64]) {
->>>>>>> h-e2
+    fn foresee(&mut self, dt_s: f64, accelerations: &[f64], pushes: &[Push], foreseen: &[Shaft]) {
         let servos = self.own.len();
         let turned = |by: &[f64], list: &[Vec<(usize, f64)>]| {
             let mut turned = vec![0.0; servos];
@@ -414,8 +394,7 @@ impl RigPlant {
     }
 }
 
-<<<<<<< HEAD
-/// Speeds of the ways for a unit of speed of one dof or shaft.
+/// Returns the speeds of the motions for a unit of speed of one dof or shaft.
 fn along(list: &[Vec<(usize, f64)>], at: usize) -> Vec<f64> {
     let own = |way: &Vec<(usize, f64)>| {
         way.iter().filter(|(place, _)| *place == at).map(|(_, speed)| speed).sum()
@@ -423,11 +402,8 @@ fn along(list: &[Vec<(usize, f64)>], at: usize) -> Vec<f64> {
     list.iter().map(own).collect()
 }
 
-/// What a stop pushes with, and how that falls with speed; none if it does not. It does not pull back what leaves it.
-=======
 /// Returns the force of a stop and how it decreases with speed, or `None` if the stop does not push. A stop never
 /// pulls.
->>>>>>> h-e2
 fn stop(
     dt_s: f64,
     stiffness: f64,
