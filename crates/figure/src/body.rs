@@ -14,14 +14,14 @@ pub struct Body {
     pub parent: Option<usize>,
 }
 
-/// How body 0 is held.
+/// The way body 0, the pelvis, is connected to the world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Root {
-    /// It moves freely, driven by a force and a torque from outside.
+    /// The pelvis moves freely, driven by an external force and torque.
     #[default]
     Driven,
-    /// It is bolted to the world where it starts.
+    /// The pelvis is bolted to the world at its initial position.
     Fixed,
 }
 
@@ -51,7 +51,7 @@ pub const BODIES: [Body; BODY_COUNT] = [
     body("foot_r", 16),
 ];
 
-/// Whether no joint hangs on this body: head, hands and feet.
+/// Returns whether no joint is attached to this body. True for the head, the hands and the feet.
 pub fn is_leaf(body: usize) -> bool {
     BODIES.iter().all(|other| other.parent != Some(body))
 }
