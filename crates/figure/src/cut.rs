@@ -1,12 +1,9 @@
 //! The elliptical column of the upper trunk cut in three: the thorax between two shoulder parts.
 //!
 //! The paper's figure needs clavicle bodies, but the paper does not say where it cuts. This module cuts at two
-//! sagittal
-//! planes half-way between the middle and the sides. A shoulder part then has 19.6 % of the upper trunk's mass
-//! (2.3 kg of
-//! a man of 73 kg): shoulder blade, collar bone and the muscles about them. The three parts together have the
-//! mass, the
-//! centre of mass and the inertia of the whole.
+//! sagittal planes half-way between the middle and the sides. A shoulder part then has 19.6 % of the upper trunk's
+//! mass (2.3 kg of a man of 73 kg): shoulder blade, collar bone and the muscles about them. The three parts
+//! together have the mass, the centre of mass and the inertia of the whole.
 
 use libm::{acos, sin};
 

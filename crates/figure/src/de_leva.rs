@@ -73,8 +73,7 @@ const fn row(mass: f64, length_m: f64, center: f64, gyration: [f64; 3]) -> Segme
 }
 
 // The table measures the centres of the head and the trunk's parts from the top, but the figure's joints are at
-// the
-// bottom: these centres are 100 minus the table's.
+// the bottom: these centres are 100 minus the table's.
 
 /// Vertex to cervicale: the table's alternative end points, since the figure's head turns at the neck.
 const HEAD: Segment = row(6.94, 0.2429, 100.0 - 50.02, [30.3, 31.5, 26.1]);
@@ -99,15 +98,13 @@ const FOOT: Segment =
     row(1.37, 0.2581, 44.15 - 100.0 * placement::HEEL_TO_ANKLE, [25.7, 24.5, 12.4]);
 
 /// The upper trunk cut in three (see `cut.rs`). It is modelled as a solid elliptical column with the published
-/// radii
-/// of gyration.
+/// radii of gyration.
 #[derive(Debug, Clone, Copy)]
 struct UpperTrunkParts {
     /// The middle part. Its centre of mass is that of the whole upper trunk.
     thorax: Segment,
     /// The left or the right part. Its `center` is measured from the middle of the trunk, as a fraction of the
-    /// distance
-    /// to its side.
+    /// distance to its side.
     shoulder: Segment,
 }
 

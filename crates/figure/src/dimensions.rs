@@ -6,8 +6,7 @@ use sinew_host_util::random::{Random, Subject};
 use super::body::{BODIES, Body};
 
 /// Factors on the figure's dimensions. The clip keeps its own dimensions. Factors multiply: the length of a left
-/// arm is
-/// multiplied by `scale · left_arm` and by a random factor.
+/// arm is multiplied by `scale · left_arm` and by a random factor.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Dimensions {

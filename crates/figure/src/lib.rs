@@ -3,10 +3,9 @@
 //! - `body`, `motion` and `dimensions` describe the 18 bodies, how they move, and how they are scaled.
 //! - [`mapping`] maps recorded skeletons to the figure: known skeletons, or a proposal for an unknown skeleton.
 //! - `de_leva` and [`hanavan`] compute mass properties: by regressions, or from the solids of a measured subject
-//! (`subjects/`). `placement` places both on a skeleton by the same rules.
+//!   (`subjects/`). `placement` places both on a skeleton by the same rules.
 //! - [`plant`] simulates a mechanism through one trait: `articulated` is exact and is the reference for `rapier`,
-//!   whose
-//! settings are data with a reason for each.
+//!   whose settings are data with a reason for each.
 //! - [`builtin`] makes the built-in clips: a seeded fighter, recorded with noise and gaps.
 //! - [`measured`] decides the size and the up axis of a clip or a character. No other module decides them.
 //! - [`pipeline`] prepares files: skip, fill gaps, find flips, low-pass at the recorded rate, resample, map to the

@@ -18,10 +18,8 @@ pub struct FigureMotion {
     /// Position of joint `i` in the frame of body `i`'s parent; zero for the root.
     pub offset_m: Vec<DVec3>,
     /// End of the segment in the frame of body `i`: the next joint along it, or the end of the head, hand or foot.
-    /// It
-    /// gives the body model the direction of the segment. The pelvis ends at the next joint of the trunk; in
-    /// skeletons where
-    /// the abdomen begins at the pelvis' own origin, both end at the thorax.
+    /// It gives the body model the direction of the segment. The pelvis ends at the next joint of the trunk; in
+    /// skeletons where the abdomen begins at the pelvis' own origin, both end at the thorax.
     pub segment_end_m: Vec<DVec3>,
     /// World position of the pelvis in each frame.
     pub root_position_m: Vec<DVec3>,
@@ -44,8 +42,7 @@ impl FigureMotion {
     }
 
     /// Returns the motion with `factor` times the frames, by the core's smooth interpolation. Firmware
-    /// interpolates in the
-    /// same way if a show has fewer frames than ticks.
+    /// interpolates in the same way if a show has fewer frames than ticks.
     #[must_use]
     pub fn interpolated(&self, factor: usize) -> Self {
         let last = self.rotation.len() - 1;
@@ -73,8 +70,7 @@ impl FigureMotion {
     }
 
     /// Returns the poses of all joints in frame `frame`, each in its parent's frame, in the core's type. After the
-    /// end the
-    /// last frame is used.
+    /// end the last frame is used.
     pub fn joint_poses(&self, frame: usize) -> Vec<Transform> {
         self.joints(frame)
             .map(|(rotation, position_m)| Transform::new(rotation.as_quat(), position_m.as_vec3()))
@@ -82,8 +78,7 @@ impl FigureMotion {
     }
 
     /// Returns the rotations and positions (m) of all joints in frame `frame`, each in its parent's frame; the
-    /// root's are
-    /// in the world. After the end the last frame is used.
+    /// root's are in the world. After the end the last frame is used.
     pub fn joints(&self, frame: usize) -> impl Iterator<Item = (DQuat, DVec3)> + '_ {
         let frame = frame.min(self.rotation.len() - 1);
         let root_m = self.root_position_m[frame];

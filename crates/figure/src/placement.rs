@@ -1,15 +1,11 @@
 //! Places the segments of a body model on a skeleton, by the same rules for all models.
 //!
 //! - The longitudinal axis of a segment points from its joint to its end. The sagittal axis is the figure's
-//!   forward
-//! direction made perpendicular to the longitudinal axis. For a segment that points forward itself, like the feet,
-//! the
-//! transverse axis is the figure's left instead. Forward and left are those of the zero pose, in which all body
-//! frames
-//! are parallel.
+//!   forward direction made perpendicular to the longitudinal axis. For a segment that points forward itself, like
+//!   the feet, the transverse axis is the figure's left instead. Forward and left are those of the zero pose, in
+//!   which all body frames are parallel.
 //! - The ends of a limb (upper arm, forearm, thigh, shank) are joints: a limb is as long as its bone. All other
-//!   segments
-//! end at landmarks that a skeleton lacks, or whose distance in the skeleton is zero.
+//!   segments end at landmarks that a skeleton lacks, or whose distance in the skeleton is zero.
 //! - The lower trunk starts in the middle of the hips, not at the pelvis joint.
 
 use glam::{DMat3, DVec3};
@@ -197,8 +193,7 @@ impl<'a> Placement<'a> {
     }
 
     /// Returns the unit direction of a segment. A segment whose end is at its joint has the direction of its
-    /// joint's
-    /// offset, or else of its parent; the pelvis points up.
+    /// joint's offset, or else of its parent; the pelvis points up.
     fn direction(&self, body: usize) -> DVec3 {
         let along = |v: DVec3| (v.length() >= SHORTEST_BONE_M).then(|| v.normalize());
         match BODIES[body].parent {

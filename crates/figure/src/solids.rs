@@ -1,8 +1,7 @@
 //! Solids of uniform density for body segments.
 //!
 //! The longitudinal axis is z. Hanavan (AMRL-TR-64-102, 1964) and Kwon: elliptical solids and ellipsoids; Yeadon
-//! (J.
-//! Biomech. 23, 1990, 67-74): stadium solids.
+//! (J. Biomech. 23, 1990, 67-74): stadium solids.
 
 use core::f64::consts::PI;
 
@@ -27,8 +26,7 @@ struct Section {
 }
 
 /// Returns nodes and weights of Gauss's rule with 3 points on 0 to 1, exact to degree 5. The integrands are of
-/// degree 4
-/// in s, or of degree 2 times s²: the result is exact.
+/// degree 4 in s, or of degree 2 times s²: the result is exact.
 fn gauss() -> [(f64, f64); 3] {
     let d = libm::sqrt(0.15);
     [(0.5 - d, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.5 + d, 5.0 / 18.0)]

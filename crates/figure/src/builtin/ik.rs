@@ -24,8 +24,7 @@ pub(super) const LONGEST_REACH: f64 = 0.998;
 /// Bends a limb of two bones so that it reaches from `root` to `target`, with the middle joint towards `pole`.
 ///
 /// All vectors are in one frame. `pole` is a direction of any length that is not parallel to the limb. A target
-/// out of
-/// reach is approached as far as [`LONGEST_REACH`] allows.
+/// out of reach is approached as far as [`LONGEST_REACH`] allows.
 pub(super) fn solve(
     root: DVec3,
     target: DVec3,

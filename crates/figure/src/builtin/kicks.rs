@@ -1,8 +1,7 @@
 //! Kicks as keyed poses: front, side and roundhouse kick, written for the right leg.
 //!
 //! Either leg may kick, in either stance. The keys give whole poses in the stance's axes. They are mirrored for
-//! the left
-//! leg, and the guard pose is subtracted from them.
+//! the left leg, and the guard pose is subtracted from them.
 
 use glam::DVec3;
 
@@ -18,8 +17,7 @@ struct Key {
     /// Time from the start of the kick, in seconds.
     time_s: f64,
     /// Position of the pelvis relative to the ball of the supporting foot, at the pelvis's height in guard, in
-    /// metres.
-    /// Chosen to keep the centre of mass above the foot.
+    /// metres. Chosen to keep the centre of mass above the foot.
     shift: DVec3,
     /// Rotation of the pelvis relative to the stance, in degrees about x, y, z.
     pelvis: DVec3,

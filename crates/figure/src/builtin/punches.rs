@@ -1,8 +1,7 @@
 //! Punches as keyed poses: jab, cross, and hook and uppercut of either hand.
 //!
 //! Written for an orthodox fighter, whose left hand leads. Hips move before shoulders, and shoulders before the
-//! fist. A
-//! straight punch stops at arm's length; hook and uppercut go through the target.
+//! fist. A straight punch stops at arm's length; hook and uppercut go through the target.
 
 use glam::DVec3;
 

@@ -131,8 +131,7 @@ const LEAD_IN_S: f64 = 0.30;
 /// Time in guard after the last step, in seconds: enough for the differences that the evaluation forms at the end.
 const LEAD_OUT_S: f64 = 0.20;
 /// Shortest and longest delay from the start of a slot to the start of its strike, in seconds. Hips move before
-/// the
-/// limb.
+/// the limb.
 const SLOT_TO_START_S: (f64, f64) = (0.08, 0.18);
 
 /// Highest speed of a step, in metres per second of the whole stance. `STEP_M` is its greatest length.

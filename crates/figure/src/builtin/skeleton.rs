@@ -1,13 +1,10 @@
 //! The fighter's skeleton and its poses.
 //!
 //! The skeleton is an adult man of 1.78 m. Segment lengths: P. de Leva, "Adjustments to Zatsiorsky-Seluyanov's
-//! segment
-//! inertia parameters", J. Biomechanics 29 (1996), 1223-1230, table 4, males (mean stature 1.741 m). Heights and
-//! breadths
-//! that are not in that table: D. A. Winter, *Biomechanics and Motor Control of Human Movement*, figure 4.1
-//! (Drillis and
-//! Contini). Distance of the hip centres: A. L. Bell, D. R. Pedersen and R. A. Brand, J. Biomechanics 23 (1990),
-//! 617-621.
+//! segment inertia parameters", J. Biomechanics 29 (1996), 1223-1230, table 4, males (mean stature 1.741 m).
+//! Heights and breadths that are not in that table: D. A. Winter, *Biomechanics and Motor Control of Human
+//! Movement*, figure 4.1 (Drillis and Contini). Distance of the hip centres: A. L. Bell, D. R. Pedersen and R. A.
+//! Brand, J. Biomechanics 23 (1990), 617-621.
 //!
 //! Rest pose: T-pose, palms down, facing +z with the left side at +x. All frames are parallel to the world's.
 
@@ -53,8 +50,7 @@ pub(super) const ANKLE_HEIGHT_M: f64 = 0.039 * STATURE_M;
 /// Distance of the ball of the foot in front of the ankle.
 pub(super) const ANKLE_TO_BALL_M: f64 = 0.130;
 /// Middle of the toe cap, relative to the ankle. A foot is 0.2581 * 1.022 = 0.264 m long, a quarter of it behind
-/// the
-/// ankle.
+/// the ankle.
 const TOE_M: DVec3 = DVec3::new(0.0, 0.020 - ANKLE_HEIGHT_M, 0.198);
 
 /// Length of the arm from shoulder to wrist.

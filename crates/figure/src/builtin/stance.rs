@@ -1,8 +1,7 @@
 //! The fighter's guard stance, the steps that move it, and its sway.
 //!
 //! Everything up to the finished pose is written for an orthodox fighter, whose left side leads; a southpaw is the
-//! mirror
-//! image. Stance frame: origin on the floor below the guard, y up, z towards the opponent.
+//! mirror image. Stance frame: origin on the floor below the guard, y up, z towards the opponent.
 
 use glam::{DQuat, DVec3};
 use sinew_host_util::random::Random;

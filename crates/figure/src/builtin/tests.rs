@@ -281,8 +281,7 @@ fn degrees(sine: f64) -> f64 {
 }
 
 /// Limits: active ranges of the American Academy of Orthopaedic Surgeons (1965). The hip's range is that of
-/// kickers,
-/// since pelvis and lumbar spine contribute to the joint that is only a hip in this figure.
+/// kickers, since pelvis and lumbar spine contribute to the joint that is only a hip in this figure.
 #[test]
 fn joints_stay_in_human_ranges() {
     type Measure = fn(&Pose, Side) -> f64;
@@ -365,10 +364,8 @@ fn every_target_is_within_reach() {
 }
 
 /// Accelerations have no jumps, neither between strikes nor in them. A limb that flips over or a kinked track
-/// gives
-/// more than 10,000 rad/s²; the strikes give less than 800. A fighter on the floor can hardly accelerate the
-/// pelvis by
-/// more than 6 g.
+/// gives more than 10,000 rad/s²; the strikes give less than 800. A fighter on the floor can hardly accelerate the
+/// pelvis by more than 6 g.
 #[test]
 fn accelerations_are_those_of_a_body() {
     for take in TAKES.iter() {
@@ -443,8 +440,7 @@ fn gaps_are_short_and_apart() {
 }
 
 /// FNV-1a hash of every bit of every clip. It changes only when the clips change; the tables of the evaluation
-/// then
-/// change with it.
+/// then change with it.
 #[test]
 fn clips_are_the_same_bits_everywhere() {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;

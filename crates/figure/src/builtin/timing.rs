@@ -8,14 +8,10 @@ pub(super) const RATE_HZ: f64 = 120.0;
 /// A smooth function of time through keys.
 ///
 /// Each span is the quintic polynomial that has the position and speed of both of its keys and zero acceleration
-/// there:
-/// the minimum-jerk movement between them (Flash and Hogan 1985). The whole track is twice differentiable. The
-/// speed at
-/// an inner key is the harmonic mean of the neighbouring slopes (Fritsch and Butland 1984): a track never
-/// overshoots its
-/// keys, and it stops where it turns. The value is constant before the first key and after the last, and zero
-/// without
-/// keys.
+/// there: the minimum-jerk movement between them (Flash and Hogan 1985). The whole track is twice differentiable.
+/// The speed at an inner key is the harmonic mean of the neighbouring slopes (Fritsch and Butland 1984): a track
+/// never overshoots its keys, and it stops where it turns. The value is constant before the first key and after
+/// the last, and zero without keys.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Track {
     keys: Vec<Key>,

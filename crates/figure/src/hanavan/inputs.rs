@@ -79,10 +79,8 @@ impl TryFrom<f64> for Kilograms {
 /// The 41 inputs of the modified Hanavan model, the total mass, and whether masses are scaled to sum to it.
 ///
 /// P1 to P41 are the model's numbers of the inputs. The built-in subject's file, `subjects/reference.toml`,
-/// describes each
-/// input and how to measure it. The names are inferred from the equations' use of the numbers. An input may be
-/// `None` only
-/// if no equation uses its number.
+/// describes each input and how to measure it. The names are inferred from the equations' use of the numbers. An
+/// input may be `None` only if no equation uses its number.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Inputs {

@@ -87,8 +87,7 @@ const THORAX: f64 = 0.92;
 const ABDOMEN: f64 = 1.01;
 
 /// Shapes of the trunk's parts. Each part's share of the trunk's mass is proportional to its relative density
-/// times
-/// its volume.
+/// times its volume.
 struct Trunk {
     upper_a_m: f64,
     upper_b_m: f64,
@@ -165,8 +164,7 @@ fn thigh(i: &Inputs) -> Result<Shape, InputError> {
 }
 
 /// Returns the shape of the foot: a circle at the heel, an ellipse at the toes. The sources disagree on the
-/// ellipse's
-/// height; this function derives it from the mean girth, like the depth of the trunk.
+/// ellipse's height; this function derives it from the mean girth, like the depth of the trunk.
 fn foot(i: &Inputs) -> Result<Shape, InputError> {
     let breadths = values!(i; foot_breadth_m, toe_breadth_m);
     let a_m = half_breadth(&breadths);

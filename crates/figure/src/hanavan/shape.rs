@@ -6,8 +6,7 @@ use crate::cut::CutDisc;
 use crate::solids::{self, Solid};
 
 /// Shape of a segment. Semi-axes `a_m` are along the transverse axis, `b_m` along the sagittal one. In a pair, the
-/// first
-/// number is for the end at the body's joint.
+/// first number is for the end at the body's joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shape {
     /// Ellipsoid of revolution about the longitudinal axis.
@@ -63,8 +62,7 @@ impl Shape {
     }
 
     /// Returns the solid of this shape and a length. x is the transverse axis, y the sagittal and z the
-    /// longitudinal axis.
-    /// The centre is measured along z from the end at the body's joint.
+    /// longitudinal axis. The centre is measured along z from the end at the body's joint.
     pub fn solid(&self, length_m: f64) -> Solid {
         match *self {
             Self::Ellipsoid { radius_m } => {
@@ -90,8 +88,7 @@ impl Shape {
     }
 
     /// Returns the distance of the centre of mass from the middle of the whole column, in metres, if this is a
-    /// column's
-    /// side piece; otherwise zero.
+    /// column's side piece; otherwise zero.
     pub fn center_to_side_m(&self) -> f64 {
         match *self {
             Self::Column { a_m, piece: Piece::Side, .. } => a_m * CutDisc::new().center,
@@ -101,8 +98,7 @@ impl Shape {
 }
 
 /// Returns the part of a column that has `share` of its area. `mean_squares` are those of the part's two
-/// coordinates
-/// about its centre, on the unit disc.
+/// coordinates about its centre, on the unit disc.
 fn part(column: Solid, a_m: f64, b_m: f64, share: f64, mean_squares: [f64; 2]) -> Solid {
     let (x2, y2) = (a_m * a_m * mean_squares[0], b_m * b_m * mean_squares[1]);
     let z2 = 4.0 * column.center_z_m * column.center_z_m / 12.0;

@@ -50,12 +50,9 @@ fn side(body: usize) -> f64 {
 /// Joints and segment ends of a subject's own figure, standing with its arms down: x left, y up, z forward.
 ///
 /// The model gives the lengths of the segments, but not where they are joined. These positions are our choice: the
-/// pelvis
-/// joint is in the middle of the hips, each hip joint in the middle of its half of the hips' breadth. The trunk's
-/// joints
-/// are on its axis. A shoulder joint is on the side of the upper trunk, level with its top, which is also where
-/// head and
-/// clavicles are joined.
+/// pelvis joint is in the middle of the hips, each hip joint in the middle of its half of the hips' breadth. The
+/// trunk's joints are on its axis. A shoulder joint is on the side of the upper trunk, level with its top, which
+/// is also where head and clavicles are joined.
 pub(crate) struct OwnSkeleton {
     pub offset_m: Vec<DVec3>,
     pub segment_end_m: Vec<DVec3>,

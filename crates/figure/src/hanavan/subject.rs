@@ -66,8 +66,7 @@ impl Subject {
     ///
     /// # Errors
     /// [`InputError`] if a girth is too small for its breadth, a mass is not above 0, a density is impossible for
-    /// a human
-    /// body, or the sum of the masses differs from the total mass by more than 10 %.
+    /// a human body, or the sum of the masses differs from the total mass by more than 10 %.
     pub fn new(inputs: Inputs) -> Result<Self, InputError> {
         let segments = segments::segments(&inputs)?;
         let mut subject = Self { inputs, segments, regression_sum_kg: 0.0 };

@@ -86,8 +86,7 @@ fn normalised_masses_sum_to_the_given_one() {
 }
 
 /// Returns mass, centre of mass and inertia about it of several bodies, each at a place in a common frame
-/// (parallel
-/// axes).
+/// (parallel axes).
 fn together(bodies: &[(DVec3, &MassProperties)]) -> MassProperties {
     let mass_kg = bodies.iter().map(|(_, body)| body.mass_kg).sum();
     let at =
@@ -299,12 +298,9 @@ fn shares_are_near_de_levas() {
 }
 
 /// Compares two body models on one skeleton. Radii of gyration agree within a factor of 1.5; an exchanged axis of
-/// a
-/// limb would be off by more. Hands are left out, since the model's hand is a fist and the table's is open.
-/// Centres agree
-/// within 5 cm, except those of the shoulder parts, which are on the clavicle in the table and in the middle of
-/// the column
-/// in the model.
+/// a limb would be off by more. Hands are left out, since the model's hand is a fist and the table's is open.
+/// Centres agree within 5 cm, except those of the shoulder parts, which are on the clavicle in the table and in
+/// the middle of the column in the model.
 #[test]
 fn inertia_is_near_de_levas_on_the_same_skeleton() {
     let motion = standing();

@@ -102,8 +102,7 @@ impl Binding {
     ///
     /// # Errors
     /// [`Error::Wrong`] with everything that does not fit: joints and end sites that the skeleton lacks, and
-    /// bodies that do not
-    /// move with their parents.
+    /// bodies that do not move with their parents.
     pub fn new(mapping: &Mapping, skeleton: &Skeleton) -> Result<Self, Error> {
         let rest_m = skeleton.rest_positions_m();
         let prefix = mapping.signature.prefix(skeleton).unwrap_or_default();
@@ -185,12 +184,9 @@ impl Binding {
     }
 
     /// Refuses a limb if one side is at least half as long again as the other. The aim is to find a damaged digit.
-    /// Both
-    /// thresholds are choices, since we do not know how much real sides can differ. A change of the first digit
-    /// changes a
-    /// length by half or more if the digit is small (1 to 2, 3 to 5), and an additional digit multiplies the
-    /// length by ten.
-    /// Smaller errors are accepted; they do proportionally less harm.
+    /// Both thresholds are choices, since we do not know how much real sides can differ. A change of the first
+    /// digit changes a length by half or more if the digit is small (1 to 2, 3 to 5), and an additional digit
+    /// multiplies the length by ten. Smaller errors are accepted; they do proportionally less harm.
     ///
     /// # Errors
     /// [`UnlikeSides`] if the two sides of a limb differ by half or more.
@@ -219,8 +215,7 @@ impl Binding {
     }
 
     /// Returns, for each body, the largest distance over `clip` between its origin in `motion` and its joint in
-    /// the
-    /// recording, in metres. The distance is the cost of the figure's stiff trunk and neck.
+    /// the recording, in metres. The distance is the cost of the figure's stiff trunk and neck.
     pub fn worst_distance_m(&self, clip: &Clip, motion: &FigureMotion) -> Vec<f64> {
         let mut worst_m = vec![0.0; BODIES.len()];
         for (f, frame) in clip.frames.iter().enumerate() {

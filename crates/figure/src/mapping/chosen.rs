@@ -11,8 +11,7 @@ use super::file::{Error, Mapping};
 use super::known::choose;
 
 /// Minimum confidence of a proposal that is used without asking. Below it are animals, and humans whose skeleton
-/// does
-/// not allow their joints to be distinguished.
+/// does not allow their joints to be distinguished.
 const SURE: f64 = 0.45;
 
 /// A recording's mapping, and its source.
@@ -50,8 +49,7 @@ impl fmt::Display for Proposal {
 ///
 /// # Errors
 /// [`Error::NotProposed`] if no known skeleton fits and the joints of a human are not found with sufficient
-/// confidence;
-/// [`Error::SeveralMatch`].
+/// confidence; [`Error::SeveralMatch`].
 pub fn find_mapping<'a>(
     recording: &Recording,
     given: Option<&'a Mapping>,

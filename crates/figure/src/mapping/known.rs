@@ -99,8 +99,7 @@ fn matching(skeleton: &Skeleton) -> Vec<&'static Mapping> {
 ///
 /// # Errors
 /// [`Error::NoneMatches`] with the joints found and the mappings tried, or [`Error::SeveralMatch`] with the names
-/// if
-/// several are equally demanding.
+/// if several are equally demanding.
 pub fn choose(skeleton: &Skeleton) -> Result<&'static Mapping, Error> {
     let best = matching(skeleton);
     match best[..] {
@@ -137,8 +136,8 @@ pub(super) fn joint_names(skeleton: &Skeleton) -> String {
 }
 
 /// Returns the nearest known mapping, and the joints that the skeleton lacks for it. A matching mapping is
-/// nearest;
-/// otherwise the mapping of which `skeleton` has the largest share of the signature's joints, after any prefix.
+/// nearest; otherwise the mapping of which `skeleton` has the largest share of the signature's joints, after any
+/// prefix.
 pub fn find_nearest(skeleton: &Skeleton) -> Option<(&'static Mapping, Vec<&'static str>)> {
     if let [own, ..] = matching(skeleton)[..] {
         return Some((own, Vec::new()));

@@ -163,8 +163,7 @@ fn names_the_nearest_mapping_and_what_it_lacks() {
     let names: Vec<&str> = of("bandai").signature.joints.iter().map(String::as_str).collect();
     assert_eq!(choose(&chain(&names)).unwrap().name, "bandai");
     // The skeleton has all names of cgspeed_mb, but a zero offset of that map is not zero here. It has no thorax
-    // bone,
-    // and therefore is not asfamc either.
+    // bone, and therefore is not asfamc either.
     let zero = of("cgspeed_mb");
     let mut skeleton =
         chain(&zero.signature.joints.iter().chain(&zero.signature.zero_offsets).fold(

@@ -1,6 +1,5 @@
 //! Determines the size and the up axis of a file's content: given by the user, read from the file, or inferred
-//! from the
-//! body and then reported. All commands that read a clip or a character use this module.
+//! from the body and then reported. All commands that read a clip or a character use this module.
 
 mod unit;
 mod up;
@@ -35,16 +34,14 @@ pub struct Measured {
     /// Axis that points up.
     pub up: UpGuess,
     /// Height of the standing body, computed from the lengths of its bones, in the file's unit. If the skeleton is
-    /// not a
-    /// human body: the extent along up.
+    /// not a human body: the extent along up.
     pub height_units: f64,
     /// Whether the skeleton is that of a human body.
     pub is_body: bool,
 }
 
 /// Plausible sizes, from joint to joint, of a skeleton that is not a human body, m: from a hand to a horse with
-/// its
-/// neck.
+/// its neck.
 const OTHER_SIZE_M: std::ops::RangeInclusive<f64> = 0.05..=5.0;
 
 impl Measured {
@@ -162,8 +159,7 @@ impl Display for Measured {
 }
 
 /// Returns the extents of a recording's joints and ends in its first complete frame, or else at rest: along up,
-/// and
-/// the largest across it. In the file's unit.
+/// and the largest across it. In the file's unit.
 pub fn extents(recording: &Recording, up: DVec3) -> [f64; 2] {
     up::extents(recording, up)
 }

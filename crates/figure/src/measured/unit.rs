@@ -11,8 +11,7 @@ pub struct MappingSource<'a> {
     /// The mapping.
     pub mapping: &'a Mapping,
     /// Whether the user gave the mapping. Its unit is then the user's instruction, not only the usual unit of
-    /// files with
-    /// this skeleton.
+    /// files with this skeleton.
     pub is_given: bool,
 }
 

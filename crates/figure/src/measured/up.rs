@@ -31,12 +31,10 @@ const FLOOR_FRAMES: usize = 9;
 
 impl UpGuess {
     /// Chooses the user's axis, or else that of the mapping or the format (`said`, with its source), or else the
-    /// axis
-    /// that the body indicates.
+    /// axis that the body indicates.
     ///
     /// An axis other than y is accepted if the rest pose also stands along it, or if the body stands on a floor
-    /// perpendicular
-    /// to it. A body that lies, crawls or stands on its hands does neither.
+    /// perpendicular to it. A body that lies, crawls or stands on its hands does neither.
     pub(super) fn new(
         recording: &Recording,
         matched: &SkeletonMatch,

@@ -14,8 +14,7 @@ use crate::plant::{MassProperties, link};
 /// The figure as a mechanism: positions of its joints, and mass properties of its bodies.
 ///
 /// It is built from de Leva's segment table or from the Hanavan-Kwon solids of a measured subject, on the joints
-/// of a
-/// clip's skeleton. `placement.rs` describes how segments are placed on the skeleton.
+/// of a clip's skeleton. `placement.rs` describes how segments are placed on the skeleton.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyModel {
     /// Position of joint `i` in the frame of body `i`'s parent, in metres; zero for the root.
@@ -48,8 +47,7 @@ impl BodyModel {
     }
 
     /// Builds the figure of a subject itself, without a clip. The figure stands with its arms down. In all frames
-    /// x
-    /// points left, y up and z forward, and the origin is at the body's joint.
+    /// x points left, y up and z forward, and the origin is at the body's joint.
     ///
     /// # Errors
     /// [`BodyModelError`] if a segment is too short to have a direction.

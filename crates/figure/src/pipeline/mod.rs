@@ -1,6 +1,5 @@
 //! Converts files to the figure's motion in a sequence of steps: skip, fill gaps, find flips, low-pass, resample,
-//! map
-//! to the figure.
+//! map to the figure.
 
 mod loaded;
 pub mod tpose;
@@ -30,8 +29,7 @@ pub struct Settings {
     /// Rate of the figure's motion, Hz.
     pub rate_hz: f64,
     /// Rate of a show's frames, Hz, if lower than `rate_hz`, which must be a multiple of it. The motion then
-    /// passes
-    /// smoothly through these frames.
+    /// passes smoothly through these frames.
     pub frame_rate_hz: Option<f64>,
     /// Cutoff of the low-pass, Hz.
     pub cutoff_hz: f64,
@@ -381,8 +379,7 @@ pub fn prepare(
 }
 
 /// Converts a recording to metres, y up, and returns its measurements too. `known` is a mapping that is not a
-/// proposal;
-/// `otherwise` is the unit in metres if nothing determines it.
+/// proposal; `otherwise` is the unit in metres if nothing determines it.
 fn in_metres(
     recording: Recording,
     known: Option<&Mapping>,
@@ -404,8 +401,7 @@ fn noticed(measured: &Measured, recording: &mut Recording) -> Vec<Notice> {
 }
 
 /// Refuses a recording in metres whose skeleton is impossible for a body: a bone longer than the tallest figure,
-/// or
-/// very different sides.
+/// or very different sides.
 fn believed(clip: &str, binding: &Binding, recording: &Recording) -> Result<(), Error> {
     check_bones(recording, *HEIGHT_M.end())
         .map_err(|source| Error::Bone { clip: clip.to_owned(), source })?;

@@ -1,21 +1,17 @@
 //! Finds the T-pose that some conversions insert before the recording.
 //!
 //! The cgspeed files of CMU's data begin with a T-pose; others do not. If a clip was cut or thinned out the T-pose
-//! may be
-//! missing, which leaves only the frames themselves as evidence. Frame 0 is an inserted T-pose if arms and legs
-//! are in a
-//! T-pose and the next step is a jump, much larger than the steps after it.
+//! may be missing, which leaves only the frames themselves as evidence. Frame 0 is an inserted T-pose if arms and
+//! legs are in a T-pose and the next step is a jump, much larger than the steps after it.
 
 use glam::{DQuat, DVec3};
 use sinew_mocap::{JointSample, Recording, forward_kinematics};
 
 /// Largest angle of a limb from its direction in a T-pose. In the CMU data it is 0.14 to 0.31 rad in inserted
-/// T-poses,
-/// and 0.35 or more in every other first frame that is followed by a jump.
+/// T-poses, and 0.35 or more in every other first frame that is followed by a jump.
 const LIMB_ANGLE_MAX_RAD: f64 = 0.33;
 /// Least ratio of the first step between frames to the median of the steps after it. The ratio is 6.8 or more
-/// after
-/// the T-poses of the CMU data.
+/// after the T-poses of the CMU data.
 const JUMP_MIN: f64 = 5.0;
 /// Least jump that counts if the recording is at rest afterwards: root mean square over the joints.
 const STEP_MIN_RAD: f64 = 0.02;
@@ -23,8 +19,7 @@ const STEP_MIN_RAD: f64 = 0.02;
 const STEPS: usize = 60;
 
 /// Returns whether frame 0 of `recording` is an inserted T-pose. The recording is in metres; `origin` returns the
-/// joint
-/// at the origin of a body of the figure, by the body's name.
+/// joint at the origin of a body of the figure, by the body's name.
 pub fn is_inserted(recording: &Recording, origin: impl Fn(&str) -> Option<usize>) -> bool {
     let complete = |frame: &Vec<Option<JointSample>>| -> Option<Vec<JointSample>> {
         frame.iter().copied().collect()
@@ -36,8 +31,7 @@ pub fn is_inserted(recording: &Recording, origin: impl Fn(&str) -> Option<usize>
 }
 
 /// Returns whether the arms point away from each other horizontally and the legs point down. `at` returns the
-/// position
-/// of a body of the figure in a world with y up; NaN for a missing body.
+/// position of a body of the figure in a world with y up; NaN for a missing body.
 pub fn is_t(at: impl Fn(&str) -> DVec3) -> bool {
     limb_angles_rad(at).into_iter().all(|angle| angle < LIMB_ANGLE_MAX_RAD)
 }

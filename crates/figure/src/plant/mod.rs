@@ -120,8 +120,7 @@ pub fn link(
 }
 
 /// Efforts of the drives during one step, world axes. The joint's bearings take the components along which it does
-/// not
-/// move: a hinge uses the torque about its axis, a slide the force along it.
+/// not move: a hinge uses the torque about its axis, a slide the force along it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
     /// Torque of joint `i` on body `i`, in N m. Its reaction acts on the parent; the root's torque is external.

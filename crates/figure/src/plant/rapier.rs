@@ -2,8 +2,7 @@
 //! together.
 //!
 //! The engine's defaults are made for contacts and stacks, not for torques that cancel the dynamics at the same
-//! instant:
-//! see [`EngineSettings`].
+//! instant: see [`EngineSettings`].
 
 mod settings;
 
@@ -58,13 +57,11 @@ impl RapierPlant {
     /// Builds the mechanism in the given state.
     ///
     /// `start` contains one state per body. The poses must fit the joints; otherwise the first step pulls them
-    /// together with a
-    /// jump. The engine keeps the torques constant in world axes over all substeps.
+    /// together with a jump. The engine keeps the torques constant in world axes over all substeps.
     ///
     /// # Errors
     /// [`PlantError`] if this is not a tree with a state for each body, a number is physically impossible, or the
-    /// engine does
-    /// not reproduce a body's inertia.
+    /// engine does not reproduce a body's inertia.
     pub fn new(
         mechanism: &Mechanism,
         start: &[MovingPose],
@@ -217,8 +214,7 @@ impl Plant for RapierPlant {
 
 impl Link {
     /// Returns the components of a torque and a force (world axes) along which the joint can move; all of both for
-    /// a
-    /// bolted root.
+    /// a bolted root.
     fn followed(&self, torque_nm: DVec3, force_n: DVec3, poses: &[BodyPose]) -> (DVec3, DVec3) {
         let Some(parent) = self.parent.map(|parent| poses[parent].rotation) else {
             return (torque_nm, force_n);
@@ -325,8 +321,7 @@ fn rotation(q: DQuat) -> Rotation {
 }
 
 /// Computes mass properties by our own eigen-decomposition: the engine's conversion of an inertia matrix is wrong
-/// for
-/// tilted bodies whose smaller principal moments are equal.
+/// for tilted bodies whose smaller principal moments are equal.
 fn mass_properties(body: &Given) -> EngineMass {
     let matrix = na::Matrix3::from_fn(|row, column| body.inertia_kg_m2.col(column)[row]);
     let mut axes = matrix.symmetric_eigen().eigenvectors;

@@ -4,9 +4,8 @@ use glam::{DMat3, DVec3};
 
 use super::spatial::{MotionAxis, World, skew, skew_times, times_skew_transposed};
 
-/// Equations of motion of a body with all its descendants, at its joint:
-/// `torque = A α + B a + torque_bias`, `force = Bᵀ α + M a + force_bias`,
-/// with the body's angular acceleration α and its joint's acceleration a.
+/// Equations of motion of a body with all its descendants, at its joint: `torque = A α + B a + torque_bias`,
+/// `force = Bᵀ α + M a + force_bias`, with the body's angular acceleration α and its joint's acceleration a.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Articulated {
     /// Matrix A of the equations.
@@ -29,8 +28,7 @@ pub(super) struct Articulated {
 
 impl Articulated {
     /// Creates the equations of a body alone: Newton's and Euler's equations about its joint. The mass is in kg,
-    /// the first
-    /// moment in kg m and the rotational inertia in kg m², in body axes.
+    /// the first moment in kg m and the rotational inertia in kg m², in body axes.
     #[inline]
     pub(super) fn of_body(
         world: &World,
@@ -52,8 +50,7 @@ impl Articulated {
     }
 
     /// Lets the joint turn under its torque. The remaining equation is `force = mass a + force_bias`; its mass and
-    /// force
-    /// bias are returned.
+    /// force bias are returned.
     #[inline]
     pub(super) fn release(&mut self, torque: DVec3) -> (DMat3, DVec3) {
         let inverse = self.rotational.inverse();

@@ -1,23 +1,17 @@
 //! Constraints on a dof over a step: Coulomb friction and the ends of its range.
 //!
 //! Both act on the speed `v` at the end of the step, with exactly the effort that is needed. They are therefore
-//! stable for
-//! any step size, and need no stiffness parameter, which nobody would know:
+//! stable for any step size, and need no stiffness parameter, which nobody would know:
 //!
 //! - friction holds a dof at `v = 0` if the effort for that is at most the friction, and otherwise brakes with the
-//!   whole
-//! friction;
+//!   whole friction;
 //! - an end of the range lets a dof reach it within the step, but not pass it: an inelastic stop. Its effort only
-//!   pushes
-//! back. A dof that starts beyond the end may not move farther, but is not thrown back.
+//!   pushes back. A dof that starts beyond the end may not move farther, but is not thrown back.
 //!
 //! Together with the mechanism, this is a linear complementarity problem with a positive definite matrix, which
-//! has
-//! exactly one solution. It is solved iteratively: the modes of all dofs are guessed, a pass of forward dynamics
-//! computes
-//! the holding efforts and the speeds, and the modes that contradict them are changed. If this does not converge,
-//! one mode
-//! is changed at a time (Murty's least index), which always terminates.
+//! has exactly one solution. It is solved iteratively: the modes of all dofs are guessed, a pass of forward
+//! dynamics computes the holding efforts and the speeds, and the modes that contradict them are changed. If this
+//! does not converge, one mode is changed at a time (Murty's least index), which always terminates.
 
 /// The mode of motion of a dof in a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,8 +50,7 @@ impl Mode {
 
 impl Bounds {
     /// Creates the bounds of a dof at coordinate `at`, for a step of `h` seconds. `back` is the speed at which the
-    /// dof may
-    /// be moved back if it is beyond an end.
+    /// dof may be moved back if it is beyond an end.
     pub(super) fn new(range: [f64; 2], at: f64, friction: f64, h: f64, back: f64) -> Self {
         let [low, high] = range.map(|end| (end - at) / h);
         Self { ends: [low.min(back), high.max(-back)], friction }
@@ -82,8 +75,7 @@ impl Bounds {
     }
 
     /// Returns the mode that agrees with the result: `speed` at the end of the step, and the `effort` that holds
-    /// the dof
-    /// there. `scale` is the magnitude of the efforts of which `effort` is the difference, for rounding.
+    /// the dof there. `scale` is the magnitude of the efforts of which `effort` is the difference, for rounding.
     pub(super) fn next(self, mode: Mode, speed: f64, effort: f64, scale: f64) -> Mode {
         let Self { ends: [low, high], friction } = self;
         let slide = |direction: f64| Mode::Slide(if friction > 0.0 { direction } else { 0.0 });

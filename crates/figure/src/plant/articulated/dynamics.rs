@@ -1,15 +1,13 @@
-//! Forward dynamics by the articulated-body algorithm (Featherstone, Rigid Body Dynamics Algorithms, 2008,
-//! chapter 7), O(n).
+//! Forward dynamics by the articulated-body algorithm (Featherstone, Rigid Body Dynamics Algorithms, 2008, chapter
+//! 7), O(n).
 //!
 //! All quantities are in world axes, each body's about its own joint. Accelerations are the classical
-//! accelerations of the
-//! joints: the bodies' linear velocities are not needed, and nothing is rotated between bodies.
+//! accelerations of the joints: the bodies' linear velocities are not needed, and nothing is rotated between
+//! bodies.
 //!
 //! A drive acts on all three rotations of a ball joint. A subtree on a ball joint therefore transmits only a force
-//! at the
-//! joint to its parent, and the inertia that the parent feels there is a 3x3 matrix. Other joints also transmit
-//! the loads
-//! on their bearings: three 3x3 matrices.
+//! at the joint to its parent, and the inertia that the parent feels there is a 3x3 matrix. Other joints also
+//! transmit the loads on their bearings: three 3x3 matrices.
 
 use glam::DVec3;
 
@@ -113,8 +111,7 @@ impl Tree {
     }
 
     /// Changes the modes that contradict the accelerations: all of them, or only the first. Returns whether a mode
-    /// was
-    /// changed.
+    /// was changed.
     pub(super) fn agree(&mut self, h: f64, all: bool) -> bool {
         let mut changed = false;
         for link in &mut self.links {
@@ -129,8 +126,7 @@ impl Tree {
 
 impl Link {
     /// Eliminates the free dofs of the joint. Returns the articulated inertia that the parent feels at the joint,
-    /// in terms
-    /// of the acceleration that the body would have there if it were rigidly attached to the parent.
+    /// in terms of the acceleration that the body would have there if it were rigidly attached to the parent.
     fn release_dofs(&mut self, torque: DVec3, h: f64) -> Articulated {
         let Some(joint) = self.joint.as_mut() else { return self.articulated };
         let World { axes, angular_bias_rad_s2, linear_bias_m_s2, .. } = self.world;
@@ -209,8 +205,7 @@ impl Link {
     }
 
     /// Changes the modes of the joint's dofs that contradict their motion: all of them, or only the first. Returns
-    /// whether
-    /// a mode was changed.
+    /// whether a mode was changed.
     fn agree(&mut self, h: f64, all: bool) -> bool {
         let Some(joint) = self.joint.as_mut().filter(|joint| joint.is_bounded()) else {
             return false;
@@ -243,8 +238,7 @@ impl Link {
 }
 
 /// Inverts the leading part of a symmetric, positive definite matrix in place by Gauss-Jordan elimination. A
-/// matrix of
-/// this kind needs no pivoting.
+/// matrix of this kind needs no pivoting.
 pub(super) fn invert(m: &mut [[f64; MAX_DOFS]; MAX_DOFS], count: usize) {
     for pivot in 0..count {
         let factor = 1.0 / m[pivot][pivot];

@@ -48,8 +48,7 @@ pub(super) struct Joint {
 }
 
 /// Returns the coordinates of a joint along its axes. Poses do not count turns: each angle is the value nearest to
-/// the
-/// middle of its range.
+/// the middle of its range.
 fn coordinates(given: &Given, in_joint: &Pose) -> [f64; 2] {
     let mut coordinates = given.joint.along(in_joint);
     if let JointModel::Revolute(_) | JointModel::Universal(_) = given.joint {
@@ -141,8 +140,7 @@ impl Joint {
     }
 
     /// Returns whether a ball joint may reach the end of its range in a step. Otherwise its friction acts along
-    /// the axes
-    /// of the body, like the friction of three drives.
+    /// the axes of the body, like the friction of three drives.
     fn is_near_end(&self, in_parent: &Pose) -> bool {
         /// Longest time step of any control.
         const STEP_S: f64 = 0.1;
@@ -170,8 +168,7 @@ impl Joint {
     /// Returns the bounds that may hold a dof, for a step of `h` seconds.
     pub(super) fn bounds(&self, dof: usize, in_parent: &Pose, h: f64) -> Bounds {
         // A ball joint's turns perpendicular to the turn that leads to its end also lead a little beyond the end,
-        // of second
-        // order in the step. Without the correction they would accumulate.
+        // of second order in the step. Without the correction they would accumulate.
         const BACK_RAD_S: f64 = 1.0;
         let none = [f64::NEG_INFINITY, f64::INFINITY];
         let back = if self.kind == JointModel::Spherical { BACK_RAD_S } else { 0.0 };

@@ -1,6 +1,5 @@
 //! The exact plant: reduced coordinates, which keep joints from drifting apart, and our own forward dynamics in
-//! f64. It
-//! is the reference for the other plants.
+//! f64. It is the reference for the other plants.
 
 mod articulated_body;
 mod bounds;
@@ -21,13 +20,12 @@ use tree::Tree;
 /// A mechanism in reduced coordinates: a position and a velocity for each dof of its joints.
 ///
 /// Accepts any tree of joints, with rotor inertia, viscous and Coulomb friction, and ranges. Viscous friction is
-/// implicit;
-/// Coulomb friction and the ends of ranges hold a joint exactly: see `bounds.rs`. All three are stable for any
-/// step size.
+/// implicit; Coulomb friction and the ends of ranges hold a joint exactly: see `bounds.rs`. All three are stable
+/// for any step size.
 ///
 /// Each substep is a step of semi-implicit Euler, velocities first. Over the substeps the torques are constant in
-/// the axes
-/// of the bodies on which they act, like those of motors, and the root's force is constant in the root's axes.
+/// the axes of the bodies on which they act, like those of motors, and the root's force is constant in the root's
+/// axes.
 #[derive(Debug, Clone)]
 pub struct ArticulatedPlant {
     tree: Tree,
@@ -42,8 +40,7 @@ pub struct Accelerations {
     /// Classical acceleration of the root's origin in m/s², world axes.
     pub root_m_s2: DVec3,
     /// Angular acceleration of each joint in rad/s², along its rotational dofs: the derivative of the components
-    /// in body
-    /// axes of its body's angular velocity relative to the parent. The root's is relative to the world.
+    /// in body axes of its body's angular velocity relative to the parent. The root's is relative to the world.
     pub joints_rad_s2: Vec<DVec3>,
     /// Linear acceleration of each joint in m/s², along its translational dofs, body axes. For the root see
     /// `root_m_s2`.

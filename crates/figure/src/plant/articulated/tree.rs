@@ -166,8 +166,7 @@ impl Tree {
     }
 
     /// Integrates by semi-implicit Euler over `h` seconds: velocities first, then rotations by the exponential map
-    /// of the
-    /// new velocities.
+    /// of the new velocities.
     pub(super) fn advance(&mut self, h: f64) {
         for link in &mut self.links {
             if let Some(joint) = &mut link.joint {

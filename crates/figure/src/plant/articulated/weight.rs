@@ -5,8 +5,7 @@ use glam::DVec3;
 use crate::plant::{Mechanism, MovingPose, PlantError, Pose};
 
 /// Minimum share of a joint's inertia that must remain if the joints before it yield: far above rounding, far
-/// below any
-/// rig's.
+/// below any rig's.
 const LEAST: f64 = 1e-9;
 
 /// Refuses a joint that nothing resists in the rig's initial pose. O(n³), once per plant.

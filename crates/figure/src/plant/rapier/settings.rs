@@ -28,12 +28,10 @@ pub(super) enum GyroscopicTerm {
 
 impl EngineSettings {
     /// Settings for torques that cancel the dynamics at the same instant. The engine's defaults are made for
-    /// contacts
-    /// and stacks instead.
+    /// contacts and stacks instead.
     ///
     /// The engine does not divide the step, since the torques are right only at its start. With one sweep, the
-    /// engine's
-    /// default, the simulation then diverges; with 4 or more sweeps the results agree in three digits.
+    /// engine's default, the simulation then diverges; with 4 or more sweeps the results agree in three digits.
     pub const TORQUE_CONTROL: Self = Self {
         name: "rapier",
         solver_iterations: 1,
@@ -43,8 +41,7 @@ impl EngineSettings {
     };
 
     /// [`TORQUE_CONTROL`](Self::TORQUE_CONTROL) with the engine's own gyroscopic term, to show the effect of that
-    /// term
-    /// alone.
+    /// term alone.
     pub const GYROSCOPIC: Self = Self {
         name: "rapier_gyroscopic",
         gyroscopic_term: GyroscopicTerm::Engine,

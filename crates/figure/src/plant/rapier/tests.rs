@@ -72,8 +72,7 @@ fn a_pendulum_swings_as_the_equation_says() {
         worst = worst.max((swung - expected).abs());
     }
     // Semi-implicit Euler leads the true phase by half a step: ω h / 2 = 2.7 % of the amplitude. Its frequency
-    // error
-    // (ω h)²/24 and its amplitude error (-0.02 %) add 0.2 % over 3 s.
+    // error (ω h)²/24 and its amplitude error (-0.02 %) add 0.2 % over 3 s.
     assert!(worst < 0.030 * angle, "{}", worst / angle);
     assert!(worst > 0.020 * angle, "it must have swung: {}", worst / angle);
 }
@@ -100,8 +99,7 @@ fn a_free_body_keeps_its_angular_momentum() {
     }
     let change = (momentum(&plant) - before).length() / before.length();
     // The explicit term has an error of at most (ω h)²/2 per step: 7e-6 of the momentum, or 1000 times that if it
-    // never
-    // averaged out.
+    // never averaged out.
     assert!(change < 7e-3, "{change}");
     // Without the term, at constant velocity, the momentum would turn with the body.
     let turned = plant.poses[0].rotation.angle_between(DQuat::IDENTITY);

@@ -173,8 +173,7 @@ fn a_stop_is_reached_and_not_passed_and_lets_go() {
     }
     let [angle, speed] = swing(&plant);
     // It hits the stop, falls back without a rebound and swings below it: by now it reaches at most 0.4 on the
-    // other
-    // side.
+    // other side.
     assert!(least < -0.4 + 1e-12 && angle < 0.4 + 1e-2 && speed.abs() < 3.0, "{least} {angle}");
     // Pressed against the stop, it rests there.
     for _ in 0..2000 {
@@ -200,8 +199,7 @@ fn a_ball_joint_ends_at_its_angle() {
         let moved = plant.motions()[1];
         let angle = moved.pose.rotation.angle_between(DQuat::IDENTITY);
         // Turns across the range within a step are of second order in the step, φ² / 4 · cot(θ / 2); doubled for
-        // the
-        // previous step.
+        // the previous step.
         let across = H * moved.angular_rad_s.length();
         let beyond = 2.0 * across * across / (4.0 * libm::tan(0.25));
         assert!(angle < 0.5 + beyond + 1e-9, "{angle} {beyond}");

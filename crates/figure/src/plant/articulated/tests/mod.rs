@@ -29,8 +29,7 @@ fn run(
 }
 
 /// Checks that a quantity is zero except for the integrator's error `a h + b h² + ..`: the error is small, halves
-/// with
-/// the step, and vanishes without its first- and second-order parts.
+/// with the step, and vanishes without its first- and second-order parts.
 fn vanishes_with_the_step(scale: f64, error: impl Fn(f64) -> f64) {
     let [e, e_2, e_4] = [2e-4, 1e-4, 5e-5].map(|h| error(h) / scale);
     assert!(e.abs() < 1e-2, "{e:e}");
@@ -176,8 +175,7 @@ fn a_pendulum_swings_as_its_equation_says() {
         (turned.z, motion.angular_rad_s.z)
     };
     // Semi-implicit Euler is the leapfrog with velocities half a step late: its error is h/2 times the
-    // acceleration in
-    // velocity and h/2 times the velocity in angle, at most 2e-4 here.
+    // acceleration in velocity and h/2 times the velocity in angle, at most 2e-4 here.
     let fastest = 2.0 * rate * (0.5 * amplitude).sin();
     for (angle, speed) in [(0.0, -fastest), (-amplitude, 0.0), (0.0, fastest), (amplitude, 0.0)] {
         let got = after_quarter();
@@ -201,8 +199,7 @@ fn substeps_are_steps_of_a_passive_tree() {
 #[test]
 fn a_torque_turns_with_its_body_over_the_substeps() {
     // A ball that spins fast about y, under a torque about its initial x axis. The torque is constant in body
-    // axes: it
-    // turns with the ball, and after a full turn its total effect is zero.
+    // axes: it turns with the ball, and after a full turn its total effect is zero.
     let ball = solid(1.0, DVec3::ZERO, diagonal(0.1, 0.1, 0.1));
     let spin = DVec3::new(0.0, std::f64::consts::TAU, 0.0);
     let start = [
