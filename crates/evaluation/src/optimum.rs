@@ -71,7 +71,7 @@ pub struct CurvePoint {
 }
 
 /// Computes the curves of the figures of all scales. The search is parallel; the result does not depend on the
-/// number of threads. Of long clips, only some frames at equal intervals are used.
+/// number of threads. Long clips are sampled at equal intervals of frames.
 ///
 /// # Errors
 /// [`EvaluateError::Run`] if no body model fits a clip's skeleton.
