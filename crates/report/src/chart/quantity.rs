@@ -1,8 +1,8 @@
-//! Both kinds of errors.
+//! The two kinds of errors.
 
 use sinew_evaluation::ErrorTotals;
 
-/// What an error is measured in.
+/// The quantity of an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Quantity {
     /// Angles, in degrees.

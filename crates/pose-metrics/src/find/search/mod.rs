@@ -40,7 +40,7 @@ pub struct Search<'a, const N: usize = BODY_COUNT> {
 pub struct Limits {
     /// Number of moments.
     pub count: usize,
-    /// Minimum distance of two moments of a clip, in frames. Of two nearer places only the better is a moment.
+    /// Minimum distance of two moments of a clip, in frames. If two places are nearer, only the better is a moment.
     pub apart: usize,
 }
 
