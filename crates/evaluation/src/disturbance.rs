@@ -28,7 +28,7 @@ pub struct Disturbance {
     pub torque_limit_nm: f64,
     /// Maximum sum of the torques of all drives, except the root's, in N m.
     pub supply_nm: f64,
-    /// Latency of torques, in steps. Until the first torque arrives, the first torque is applied.
+    /// Latency of torques, in steps. Until the first torque arrives, the drives already apply that torque.
     pub latency_steps: usize,
 }
 

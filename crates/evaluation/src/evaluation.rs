@@ -77,7 +77,7 @@ pub struct FigureResult {
 /// Results of one method on one figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MethodResult {
-    /// The method.
+    /// Method of measuring the state error.
     pub method: MethodName,
     /// Errors over all clips.
     pub total: Errors,

@@ -33,7 +33,7 @@ pub struct LatencyLimits {
 /// Maximum latencies of a method.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatencyRow {
-    /// The method.
+    /// Method of measuring the state error.
     pub method: MethodName,
     /// Whether the controller predicts the state at which its command will act.
     pub looks_ahead: bool,

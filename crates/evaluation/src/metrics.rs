@@ -10,7 +10,7 @@ use super::step::Step;
 /// Errors over all bodies, and over the leaves alone (for the figure: head, hands, feet).
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Errors {
-    /// Over all bodies.
+    /// Errors over all bodies.
     pub all: ErrorTotals,
     /// Errors over the leaves.
     pub leaf: ErrorTotals,

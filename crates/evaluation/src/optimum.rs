@@ -420,7 +420,7 @@ mod tests {
                     let (more, less) = (energy(SMALL), energy(-SMALL));
                     let slope = (more - less) / (2.0 * SMALL);
                     let curvature = (more - 2.0 * least + less) / (SMALL * SMALL);
-                    // The remaining step along this coordinate alone is within the error of the differences.
+                    // The step that remains along this coordinate alone is within the error of the differences.
                     assert!(slope.abs() <= 1e-6 * curvature, "{place}: {slope} {curvature}");
                 }
             }
@@ -464,7 +464,7 @@ mod tests {
         }
     }
 
-    /// The core searches in f32 by its own method. After many sweeps both arrive at one pose.
+    /// Compares with the core's search in f32 by another method. After many sweeps both arrive at one pose.
     #[test]
     fn the_projection_of_the_core_ends_at_the_optimum() {
         let motion = moving("clip", 40);

@@ -60,9 +60,9 @@ pub struct Figure {
 /// The two kinds of table: normalised by the method Local, or in degrees and centimetres.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// Divided by Local.
+    /// Errors divided by those of the method Local.
     Normalised,
-    /// In degrees and centimetres.
+    /// Errors in degrees and centimetres.
     Numerical,
 }
 
@@ -114,7 +114,7 @@ const fn row(all: [f64; 4], leaf: [f64; 4]) -> Row {
 mod tests {
     use super::*;
 
-    /// A typing error in one table would contradict the other table.
+    /// Checks the tables against each other: a typing error in one table contradicts the other.
     #[test]
     fn the_two_kinds_of_table_agree_within_their_rounding() {
         for figure in &FIGURES {

@@ -135,8 +135,8 @@ impl<'a> Run<'a> {
     }
 }
 
-/// Computes the maximum plausible distance of a body from its goal, in metres: the sum of the bones of the rig and
-/// of the motion, and of the slides' ranges. No body of a rig at its place can be farther from its goal.
+/// Computes the maximum plausible distance of a body from its goal, in metres: the sum of all bone lengths of the
+/// rig and of the motion, and of the slides' ranges. Every body that follows its motion is nearer to its goal.
 fn compute_lost_m(performance: &Performance<'_>) -> f64 {
     let Performance { motion, setup, links } = *performance;
     let mut joints = Vec::new();

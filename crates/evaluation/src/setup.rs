@@ -218,8 +218,8 @@ impl Setup {
         let tree = rig.tree()?;
         let timing = Timing { dt_s: narrow(dt_s), latency_ticks: self.disturbance.latency_steps };
         self.controller.check().map_err(TrackerError::from)?;
-        // Explicit steps instead of a checked constructor, since an evaluation also tests drives with too much
-        // latency.
+        // `effective` replaces the recommended method by its settings. A tracker with explicit settings does not
+        // refuse a late drive, and an evaluation tests late drives too.
         let settings = self.controller_of(rig.links())?.effective(timing.dt_s);
         let supply = make_supply(
             self.controller.sharing,

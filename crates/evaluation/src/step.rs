@@ -10,7 +10,7 @@ use super::setup::RigTracker;
 /// One step of a run, after its completion: the rig at frame `frame`, in the world.
 #[derive(Debug)]
 pub struct Step<'a> {
-    /// Frame of the motion at which both are compared.
+    /// Frame at which the motion and the plant are compared.
     pub frame: usize,
     /// Desired poses of the bodies: the motion, in its own dimensions.
     pub desired: &'a [Pose],

@@ -29,7 +29,8 @@ const fn body(name: &'static str, parent: usize) -> Body {
     Body { name, parent: Some(parent) }
 }
 
-/// The figure: pelvis on a 6-DOF joint, 17 spherical joints; head, hands and feet are its leaves.
+/// The figure: the pelvis on a free joint (6 dofs) and 17 bodies on spherical joints. Head, hands and feet are its
+/// leaves.
 pub const BODIES: [Body; BODY_COUNT] = [
     Body { name: "pelvis", parent: None },
     body("abdomen", 0),

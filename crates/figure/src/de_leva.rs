@@ -75,25 +75,26 @@ const fn row(mass: f64, length_m: f64, center: f64, gyration: [f64; 3]) -> Segme
 // The table measures the centres of the head and the trunk's parts from the top, but the figure's joints are at
 // the bottom: these centres are 100 minus the table's.
 
-/// Vertex to cervicale: the table's alternative end points, since the figure's head turns at the neck.
+/// Row of the head, from vertex to cervicale: the table's alternative end points, since the figure's head turns at
+/// the neck.
 const HEAD: Segment = row(6.94, 0.2429, 100.0 - 50.02, [30.3, 31.5, 26.1]);
-/// Suprasternale to xyphion.
+/// Row of the upper trunk, from suprasternale to xyphion.
 const UPPER_TRUNK: Segment = row(15.96, 0.1707, 100.0 - 29.99, [71.6, 45.4, 65.9]);
-/// Xyphion to omphalion.
+/// Row of the middle trunk, from xyphion to omphalion.
 const MID_TRUNK: Segment = row(16.33, 0.2155, 100.0 - 45.02, [48.2, 38.3, 46.8]);
-/// Omphalion to the middle of the hips.
+/// Row of the lower trunk, from omphalion to the middle of the hips.
 const LOWER_TRUNK: Segment = row(11.17, 0.1457, 100.0 - 61.15, [61.5, 55.1, 58.7]);
-/// Shoulder to elbow.
+/// Row of the upper arm, from shoulder to elbow.
 const UPPER_ARM: Segment = row(2.71, 0.2817, 57.72, [28.5, 26.9, 15.8]);
-/// Elbow to wrist.
+/// Row of the forearm, from elbow to wrist.
 const FOREARM: Segment = row(1.62, 0.2689, 45.74, [27.6, 26.5, 12.1]);
-/// Wrist to third metacarpal.
+/// Row of the hand, from wrist to third metacarpal.
 const HAND: Segment = row(0.61, 0.0862, 79.00, [62.8, 51.3, 40.1]);
-/// Hip to knee.
+/// Row of the thigh, from hip to knee.
 const THIGH: Segment = row(14.16, 0.4222, 40.95, [32.9, 32.9, 14.9]);
-/// Knee to lateral malleolus.
+/// Row of the shank, from knee to lateral malleolus.
 const SHANK: Segment = row(4.33, 0.4340, 44.59, [25.5, 24.9, 10.3]);
-/// Heel to toe tip.
+/// Row of the foot, from heel to toe tip.
 const FOOT: Segment =
     row(1.37, 0.2581, 44.15 - 100.0 * placement::HEEL_TO_ANKLE, [25.7, 24.5, 12.4]);
 

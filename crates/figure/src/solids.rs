@@ -116,7 +116,7 @@ pub fn semi_ellipsoid(radius_m: f64, height_m: f64) -> Solid {
 mod tests {
     use super::*;
 
-    /// Two halves of a sphere make a sphere (parallel axes).
+    /// Checks that two halves of a sphere make a sphere (parallel axes).
     #[test]
     fn semi_ellipsoids_make_an_ellipsoid() {
         let (half, whole) = (semi_ellipsoid(0.1, 0.2), ellipsoid(0.1, 0.1, 0.2));

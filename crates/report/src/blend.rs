@@ -67,7 +67,7 @@ pub fn check(path: &Path) -> io::Result<()> {
     file::check(path)
 }
 
-/// Draws a blend as SVG, or as PNG if the file has that extension.
+/// Draws a blend as SVG or PNG, selected by the file's extension.
 ///
 /// # Errors
 /// The error of the operating system; [`io::ErrorKind::InvalidInput`] for a file with another extension, or a
@@ -156,7 +156,7 @@ impl Drawing<'_> {
         }
     }
 
-    /// Returns the second clip's share of a frame.
+    /// Returns the second clip's share in the pose of a frame.
     fn share(&self, frame: usize) -> f64 {
         let Blend { first, last, .. } = *self.blend;
         let t = (frame as f64 - first as f64) / (last - first) as f64;

@@ -27,7 +27,7 @@ pub(super) fn check(path: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Writes a picture as SVG, or as PNG if the file has that extension.
+/// Writes a picture as SVG or PNG, selected by the file's extension.
 ///
 /// # Errors
 /// The error of the operating system, and those of [`check`].

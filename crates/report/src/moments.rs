@@ -41,7 +41,7 @@ pub fn check(path: &Path) -> io::Result<()> {
     file::check(path)
 }
 
-/// Draws the query and the found moments as SVG, or as PNG if the file has that extension. For a pose: the query,
+/// Draws the query and the found moments as SVG or PNG, selected by the file's extension. For a pose: the query,
 /// then the moments. For a clip: a row of poses for the query and for each moment.
 ///
 /// # Errors

@@ -109,7 +109,7 @@ fn clip_names(evaluation: &Evaluation) -> String {
     }
 }
 
-/// Formats a number with separated thousands.
+/// Formats a number with commas between thousands.
 fn thousands(number: usize) -> String {
     let digits = number.to_string();
     let mut text = String::new();

@@ -101,7 +101,7 @@ impl<'a> Words<'a> {
         self.rig.map_or_else(|| paper::Figure::of_scale(figure.scale), |_| None)
     }
 
-    /// Explains the errors.
+    /// Returns an explanation of the errors.
     pub(super) fn errors(self) -> &'static str {
         self.either(
             "Every step, every body, in the world, against the clip in its own dimensions: the angle between desired and \
@@ -111,7 +111,7 @@ impl<'a> Words<'a> {
         )
     }
 
-    /// Explains a method.
+    /// Returns an explanation of a method.
     pub(super) fn explanation(self, method: MethodName) -> &'static str {
         match method {
             MethodName::Local => "Every body is compared with its goal in its parent's frame.",

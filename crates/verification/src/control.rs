@@ -161,9 +161,9 @@ fn check_method(
 enum Measure {
     Local,
     World,
-    /// Linear Compensation with the goals as points of the bodies.
+    /// Linear Compensation, with points of the bodies as goals.
     Points,
-    /// Linear Compensation with the child joints as goals.
+    /// Linear Compensation, with the child joints as goals.
     Children,
 }
 
@@ -255,7 +255,7 @@ fn error(
     }
 }
 
-/// Returns the joints of one side with their rounding, with links scaled by `scale`.
+/// Returns the joints of the desired or the measured side with their rounding, with links scaled by `scale`.
 fn joints(case: &Case, links: &[Link], joints: &Joints, scale: Number) -> Vec<Joint> {
     let velocity = joints.quat[0].0.inverse() * joints.root_lin_vel_world.0;
     links

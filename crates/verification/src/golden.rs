@@ -46,7 +46,7 @@ impl Golden {
 pub(super) struct Scalar(pub(super) f64);
 
 impl Scalar {
-    /// Rounds to the core's precision.
+    /// Rounds the number to the core's precision.
     #[expect(clippy::cast_possible_truncation, reason = "the core's inputs are f32")]
     pub(super) fn rounded(self) -> f32 {
         self.0 as f32
@@ -71,7 +71,7 @@ impl TryFrom<f64> for Scalar {
 pub(super) struct Vector(pub(super) DVec3);
 
 impl Vector {
-    /// Rounds to the core's precision.
+    /// Rounds the vector to the core's precision.
     pub(super) fn rounded(self) -> Vec3 {
         self.0.as_vec3()
     }
@@ -89,7 +89,7 @@ impl From<[Scalar; 3]> for Vector {
 pub(super) struct Rotation(pub(super) DQuat);
 
 impl Rotation {
-    /// Rounds to the core's precision and normalizes, as the core's entry points do.
+    /// Rounds the rotation to the core's precision and normalizes it, as the core's entry points do.
     pub(super) fn rounded(self) -> Quat {
         sinew_core::math::unit(self.0.as_quat())
     }

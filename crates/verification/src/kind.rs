@@ -8,9 +8,9 @@ use clap::ValueEnum;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 #[value(rename_all = "snake_case")]
 pub enum Kind {
-    /// Inverse dynamics, mass matrix, kinematics.
+    /// Inverse dynamics, mass matrix and kinematics.
     Rnea,
-    /// State errors to torques.
+    /// Control, from state errors to torques.
     Control,
     /// State errors.
     Errors,

@@ -11,7 +11,7 @@ use super::error::ExerciseError;
 pub(super) const SPEED: [f64; 2] = [2.0, 0.5];
 /// Accelerations of an axis without an acceleration limit, rad/s² and m/s².
 pub(super) const ACCELERATION: [f64; 2] = [20.0, 5.0];
-/// Motion of an axis without a range to each side of its home, rad and m.
+/// Maximum distance of an axis without a range from its home, to each side, rad and m.
 const REACH: [f64; 2] = [FRAC_PI_2, 0.1];
 /// Range of a ball joint without a range, rad.
 const BALL_RAD: f64 = FRAC_PI_3;

@@ -72,7 +72,7 @@ pub fn make_exercises(
             follow(&followers, &mut profiles);
             let ends = profiles.iter().flatten().map(Profile::end_s);
             let last_s = ends.fold(0.0, f64::max);
-            // The joint motion stops abruptly at its end, wherever the axes are.
+            // The motion of all joints together stops abruptly, wherever the axes are.
             let last_s = if kind == "together" { last_s.min(settings.seconds) } else { last_s };
             let last = last_s * settings.rate_hz;
             #[expect(

@@ -125,7 +125,7 @@ fn table(evaluation: &Evaluation, figure: &FigureResult, kind: Kind) -> Option<T
         "max linear",
         "mean weighted",
     ];
-    // All rows of a column get the width of Local's number. A number may have one digit fewer.
+    // All numbers of a column get the width of Local's. A number may have one digit fewer.
     let bracket_widths = published
         .and_then(|figure| figure.row(kind, MethodName::Local))
         .map_or([0; 4], |row| row.all.map(|value| number(value).len() + 2));

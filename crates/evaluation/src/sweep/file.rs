@@ -27,7 +27,7 @@ pub struct SweepFile {
 /// One setup of a sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
-    /// The setup.
+    /// Setup of the cell.
     pub setup: Setup,
     /// Setup as TOML with every key: equal setups have equal texts.
     pub key: String,

@@ -176,7 +176,7 @@ const ROUNDHOUSE: Kick = Kick {
     length_s: 1.52,
 };
 
-/// Time by which the pelvis leads the foot, in seconds.
+/// Time by which the pelvis moves before the foot, in seconds. The next constant is for the trunk.
 const HIPS_AHEAD_S: f64 = 0.060;
 const TRUNK_AHEAD_S: f64 = 0.030;
 /// Change of the elbow's direction per metre of swing: outwards and back, to keep it off the line of the arm.

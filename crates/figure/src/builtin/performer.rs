@@ -166,12 +166,12 @@ impl Performer {
         self.trunk(time_s).pelvis.point(offset_m(side.thigh()))
     }
 
-    /// Returns the world position of the wrist and the direction of the elbow that the arm would have in guard.
+    /// Returns the world position of the wrist and the direction of the elbow for an arm that stays in guard.
     pub(super) fn guard_arm(&self, time_s: f64, side: Side) -> (DVec3, DVec3) {
         self.guard_arm_on(&self.trunk(time_s), time_s, side)
     }
 
-    /// Does the work of [`guard_arm`](Self::guard_arm), with the trunk of that time already computed.
+    /// Computes [`guard_arm`](Self::guard_arm) from a trunk that is already known.
     fn guard_arm_on(&self, trunk: &Trunk, time_s: f64, side: Side) -> (DVec3, DVec3) {
         let Trunk { axes, thorax, .. } = *trunk;
         let frame = Frame {
@@ -187,7 +187,7 @@ impl Performer {
         self.footwork.ball_m(time_s, side)
     }
 
-    /// Returns the world position of the ankle and the rotation of the foot that it would have on the floor.
+    /// Returns the frame of a foot that stays on the floor: world position of the ankle, and rotation.
     pub(super) fn planted_foot(&self, time_s: f64, side: Side) -> Frame {
         let turn = self.footwork.foot_rad(time_s, side)
             + self.sum(|m| m.legs[side.index()].pivot.at(time_s));
@@ -198,7 +198,7 @@ impl Performer {
         Frame { rotation, origin_m: self.ball_m(time_s, side) + rotation * ankle_from_ball }
     }
 
-    /// Returns the direction of the knee that the leg would have with its foot on the floor: above the toes.
+    /// Returns the direction of the knee for a foot that stays on the floor: above the toes.
     pub(super) fn planted_knee(&self, time_s: f64, side: Side) -> DVec3 {
         let turn = self.footwork.foot_rad(time_s, side)
             + self.sum(|m| m.legs[side.index()].pivot.at(time_s));
@@ -295,7 +295,7 @@ fn from_turn(turn: DVec3) -> DQuat {
     DQuat::from_rotation_y(turn.y) * DQuat::from_rotation_x(turn.x) * DQuat::from_rotation_z(turn.z)
 }
 
-/// Returns the rotation whose x and y axes are these: unit vectors at right angles.
+/// Returns the rotation with these x and y axes, which must be unit vectors at right angles.
 fn from_axes(x: DVec3, y: DVec3) -> DQuat {
     DQuat::from_mat3(&DMat3::from_cols(x, y, x.cross(y))).normalize()
 }

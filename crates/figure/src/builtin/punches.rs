@@ -373,7 +373,8 @@ const REAR_UPPERCUT: Punch = Punch {
     length_s: 1.04,
 };
 
-/// Time by which the hips lead the fist, in seconds. The next two constants are for trunk and shoulder girdle.
+/// Time by which the hips move before the fist, in seconds. The next two constants are for trunk and shoulder
+/// girdle.
 const HIPS_AHEAD_S: f64 = 0.050;
 const TRUNK_AHEAD_S: f64 = 0.025;
 const GIRDLE_AHEAD_S: f64 = 0.010;
@@ -442,7 +443,7 @@ pub(super) fn perform(performer: &mut Performer, cue: &Cue) {
     performer.push(strike);
 }
 
-/// Returns the reach aimed higher: turned up about x by `height_rad`.
+/// Rotates a reach upwards about x by `height_rad`, to aim higher.
 pub(super) fn raised(reach: DVec3, height_rad: f64) -> DVec3 {
     let (sin, cos) = (libm::sin(height_rad), libm::cos(height_rad));
     DVec3::new(reach.x, reach.y * cos + reach.z * sin, reach.z * cos - reach.y * sin)

@@ -19,31 +19,32 @@ const STATURE_M: f64 = 1.78;
 /// Scale from de Leva's mean man to this one.
 const SCALE: f64 = STATURE_M / 1.741;
 
-/// Mid-hip to omphalion.
+/// Length from mid-hip to omphalion (navel).
 const PELVIS_M: f64 = 0.1457 * SCALE;
-/// Omphalion to xiphoid.
+/// Length from omphalion to xiphoid (lower end of the breastbone).
 const ABDOMEN_M: f64 = 0.2155 * SCALE;
-/// Xiphoid to suprasternale: the sternal ends of the clavicles.
+/// Length from xiphoid to suprasternale, which is level with the sternal ends of the clavicles.
 const STERNUM_M: f64 = 0.1707 * SCALE;
-/// Xiphoid to cervicale, which is 35 mm behind the xiphoid.
+/// Vector from xiphoid to cervicale, which is 35 mm farther back.
 const NECK_M: DVec3 = DVec3::new(0.0, 0.2165 * SCALE, -0.035);
-/// Cervicale to vertex, which is 40 mm in front of the cervicale.
+/// Vector from cervicale to vertex, which is 40 mm farther forward.
 const HEAD_M: DVec3 = DVec3::new(0.0, 0.2395 * SCALE, 0.040);
-/// Shoulder to elbow.
+/// Length from shoulder to elbow.
 pub(super) const UPPER_ARM_M: f64 = 0.2817 * SCALE;
-/// Elbow to wrist.
+/// Length from elbow to wrist.
 pub(super) const FOREARM_M: f64 = 0.2689 * SCALE;
-/// Wrist to third knuckle: the hand is a fist.
+/// Length from wrist to third knuckle: the hand is a fist.
 const FIST_M: f64 = 0.0862 * SCALE;
 /// Distance of the sternal end of a clavicle from the middle.
 const STERNAL_END_M: f64 = 0.025;
-/// Half the breadth of the acromia, 0.129 statures, less 3 cm to the centre of the joint.
+/// Distance of a shoulder joint from the middle: half the breadth of the acromia, 0.129 statures, minus 3 cm to
+/// the centre of the joint.
 const HALF_SHOULDERS_M: f64 = 0.129 * STATURE_M - 0.030;
 /// Half the distance of the hip centres.
 const HALF_HIPS_M: f64 = 0.087;
-/// Hip to knee.
+/// Length from hip to knee.
 pub(super) const THIGH_M: f64 = 0.4222 * SCALE;
-/// Knee to ankle.
+/// Length from knee to ankle.
 pub(super) const SHANK_M: f64 = 0.4340 * SCALE;
 /// Height of the ankle above the sole (0.039 statures).
 pub(super) const ANKLE_HEIGHT_M: f64 = 0.039 * STATURE_M;

@@ -281,7 +281,7 @@ fn degrees(sine: f64) -> f64 {
 }
 
 /// Limits: active ranges of the American Academy of Orthopaedic Surgeons (1965). The hip's range is that of
-/// kickers, since pelvis and lumbar spine contribute to the joint that is only a hip in this figure.
+/// kickers, since the figure's hip joint includes the motion of pelvis and lumbar spine.
 #[test]
 fn joints_stay_in_human_ranges() {
     type Measure = fn(&Pose, Side) -> f64;
@@ -350,7 +350,7 @@ fn foot(pose: &Pose, side: Side) -> DQuat {
     pose.rotation[side.foot()]
 }
 
-/// A limb at its longest would mean that its target was out of reach.
+/// Checks that no limb is at its longest, which would mean that its target was out of reach.
 #[test]
 fn every_target_is_within_reach() {
     let straight_deg = {
@@ -363,9 +363,9 @@ fn every_target_is_within_reach() {
     assert!(-knee > straight_deg + 5.0, "{} deg in {at_knee}", -knee);
 }
 
-/// Accelerations have no jumps, neither between strikes nor in them. A limb that flips over or a kinked track
-/// gives more than 10,000 rad/s²; the strikes give less than 800. A fighter on the floor can hardly accelerate the
-/// pelvis by more than 6 g.
+/// Checks that accelerations have no jumps, neither between strikes nor in them. A limb that flips over or a
+/// kinked track gives more than 10,000 rad/s²; the strikes give less than 800. A fighter on the floor can hardly
+/// accelerate the pelvis by more than 6 g.
 #[test]
 fn accelerations_are_those_of_a_body() {
     for take in TAKES.iter() {
@@ -439,8 +439,8 @@ fn gaps_are_short_and_apart() {
     }
 }
 
-/// FNV-1a hash of every bit of every clip. It changes only when the clips change; the tables of the evaluation
-/// then change with it.
+/// Compares the FNV-1a hash of every bit of every clip. It changes only when the clips change, and with them the
+/// tables of the evaluation.
 #[test]
 fn clips_are_the_same_bits_everywhere() {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;

@@ -29,7 +29,7 @@ pub enum SubjectError {
     Inputs {
         /// Path of the file.
         file: PathBuf,
-        /// Description of the values.
+        /// Error with the contradictory values.
         source: InputError,
     },
 }

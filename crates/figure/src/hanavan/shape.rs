@@ -61,7 +61,7 @@ impl Shape {
         }
     }
 
-    /// Returns the solid of this shape and a length. x is the transverse axis, y the sagittal and z the
+    /// Returns the solid with this shape and length. x is the transverse axis, y the sagittal and z the
     /// longitudinal axis. The centre is measured along z from the end at the body's joint.
     pub fn solid(&self, length_m: f64) -> Solid {
         match *self {

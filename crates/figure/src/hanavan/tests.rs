@@ -103,7 +103,7 @@ fn together(bodies: &[(DVec3, &MassProperties)]) -> MassProperties {
     MassProperties { mass_kg, center_of_mass_m, rotational_kg_m2 }
 }
 
-/// Tested on the subject's own skeleton, and on a skeleton whose clavicle joints are elsewhere.
+/// Tests the subject's own skeleton, and a skeleton whose clavicle joints are elsewhere.
 #[test]
 fn thorax_and_clavicles_are_the_upper_trunks_column() {
     let subject = Subject::built_in();
@@ -169,7 +169,7 @@ fn the_own_figure_scales() {
     }
 }
 
-/// On a clip the limbs have the length of its bones, and the masses are the subject's.
+/// Checks that on a clip the limbs have the length of its bones, and the masses are the subject's.
 #[test]
 fn limbs_take_the_length_of_their_bones() {
     let subject = Subject::built_in();
@@ -232,7 +232,7 @@ fn what_no_body_can_have_is_refused_by_name() {
     assert!(refusal("name = \"x\"").contains("missing field `mass_kg`"));
 }
 
-/// All numbers of a file in centimetres, or in feet.
+/// Converts all numbers of a file to centimetres, or to feet.
 #[test]
 fn a_file_in_another_unit_is_refused() {
     for (factor, expected) in [(100.0, "is it in centimetres"), (1.0 / 0.3048, "at most 3")] {
@@ -248,7 +248,7 @@ fn a_file_in_another_unit_is_refused() {
     }
 }
 
-/// Only the inputs that no equation uses may be omitted.
+/// Checks that only the inputs that no equation uses may be omitted.
 #[test]
 fn unused_inputs_change_nothing_and_used_ones_are_needed() {
     let unused = [

@@ -153,7 +153,7 @@ impl Binding {
         motion
     }
 
-    /// Returns the joint at the origin of a body.
+    /// Returns the index of the joint at the origin of a body.
     pub fn joint_of(&self, body: &str) -> Option<usize> {
         self.origin.get(BODIES.iter().position(|place| place.name == body)?).copied()
     }

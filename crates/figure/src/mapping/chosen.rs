@@ -75,7 +75,8 @@ fn propose(recording: &Recording) -> Result<ChosenMapping<'static>, String> {
     let by_height = matched.unit.as_ref().and_then(|unit| unit.metres_per_unit);
     let head = MapHead {
         name: &recording.name,
-        // If nothing determines the unit, metres are assumed, and a resulting wrong height is refused.
+        // Without any evidence for the unit, metres are assumed. If that gives a wrong height, the recording is
+        // refused.
         metres_per_unit: recording.metres_per_unit.or(by_height).unwrap_or(1.0),
         rate_hz: None,
     };

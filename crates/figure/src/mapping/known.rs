@@ -80,8 +80,8 @@ fn about(text: &'static str) -> &'static str {
     text.lines().next().and_then(|line| line.strip_prefix("# ")).unwrap_or_default()
 }
 
-/// Returns the known mappings whose signature matches `skeleton`. If several match, only the most demanding are
-/// kept.
+/// Returns the known mappings whose signature matches `skeleton`. If several match, only those with the most
+/// conditions are kept.
 fn matching(skeleton: &Skeleton) -> Vec<&'static Mapping> {
     let asks = |mapping: &Mapping| {
         let signature = &mapping.signature;
@@ -95,11 +95,12 @@ fn matching(skeleton: &Skeleton) -> Vec<&'static Mapping> {
     matching
 }
 
-/// Returns the known mapping whose signature matches `skeleton`. If several match, the most demanding is chosen.
+/// Returns the known mapping whose signature matches `skeleton`. If several match, the one with the most
+/// conditions is chosen.
 ///
 /// # Errors
 /// [`Error::NoneMatches`] with the joints found and the mappings tried, or [`Error::SeveralMatch`] with the names
-/// if several are equally demanding.
+/// if several have equally many conditions.
 pub fn choose(skeleton: &Skeleton) -> Result<&'static Mapping, Error> {
     let best = matching(skeleton);
     match best[..] {

@@ -112,7 +112,7 @@ fn z_is_up_where_the_body_stands_along_it() {
             up.reason
         );
     }
-    // In the rest pose y is up; in the world z is up, and the root's rotation converts.
+    // In the rest pose y is up. In the world z is up, since the root is rotated.
     let turned = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
     let standing = with_root(person(1.7, DVec3::Y), DVec3::new(3.0, 2.0, 0.9), turned);
     let found = up(&standing);

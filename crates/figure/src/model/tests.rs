@@ -55,7 +55,7 @@ fn left_and_right_are_mirror_images() {
     }
 }
 
-/// The body in a skeleton whose frames have other orientations has the same inertia, rotated.
+/// Checks that a body has the same inertia, only rotated, in a skeleton whose frames have other orientations.
 #[test]
 fn the_body_does_not_depend_on_how_frames_lie() {
     let straight = standing();

@@ -119,8 +119,8 @@ pub fn link(
     }
 }
 
-/// Efforts of the drives during one step, world axes. The joint's bearings take the components along which it does
-/// not move: a hinge uses the torque about its axis, a slide the force along it.
+/// Efforts of the drives during one step, world axes. A hinge uses only the torque about its axis, a slide only
+/// the force along its axis; their bearings take the other components.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
     /// Torque of joint `i` on body `i`, in N m. Its reaction acts on the parent; the root's torque is external.
@@ -139,17 +139,17 @@ impl Drive {
 /// A simulated mechanism that is driven by torques and provides only its poses. The controller has to estimate
 /// velocities itself.
 pub trait Plant {
-    /// Advances by one step with constant drives.
+    /// Advances the simulation by one step with constant drives.
     fn step(&mut self, drive: &Drive);
 
     /// Returns the poses of all bodies, by body.
     fn poses(&self) -> &[Pose];
 }
 
-/// Description of a plant, for reports.
+/// The description of a plant, for reports.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Description {
-    /// Short name.
+    /// Short name of the plant.
     pub name: &'static str,
     /// Program that computes the plant.
     pub engine: &'static str,

@@ -32,7 +32,7 @@ pub struct Nearest {
     pub positions_m: f64,
     /// Number of the solver's iterations for this pair.
     pub iterations: usize,
-    /// Number of pairs.
+    /// Number of all pairs of frames.
     pub pairs: usize,
     /// Number of pairs whose geodesic was computed.
     pub solved: usize,
@@ -44,7 +44,7 @@ pub struct Nearest {
 /// since the report contains it.
 const BATCH: usize = 4;
 
-/// Factor for the rounding of f64: no curve is shorter than the straight-line distance.
+/// Safety factor for the rounding of f64. In exact arithmetic no curve is shorter than the straight-line distance.
 const ROUNDING: f64 = 1.0 - 1e-9;
 
 /// Returns the pair of frames with the shortest geodesic; of two equal pairs, the earlier. Pairs are visited in

@@ -166,8 +166,8 @@ fn other_joints_are_refused() {
     assert_eq!(error, "joint `hand`: expected a joint of that name, found none");
 }
 
-/// Curves of long chains do not all converge, and neighbouring frames would jump. In that case no frame uses a
-/// curve.
+/// Tests long chains, whose curves do not all converge; neighbouring frames would jump. In that case no frame uses
+/// a curve.
 #[test]
 fn where_geodesics_do_not_converge_every_joint_goes_its_own_way() {
     let count = 40;

@@ -20,9 +20,9 @@ pub struct Reference {
 pub enum ClipPart {
     /// The whole clip.
     Whole,
-    /// One pose.
+    /// A single pose.
     Pose(ClipTime),
-    /// From one place to another, both included.
+    /// A range from one place to another, both included.
     Range(ClipTime, ClipTime),
 }
 

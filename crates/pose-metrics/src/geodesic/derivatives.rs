@@ -9,17 +9,17 @@ use super::rig::{Rig, RigPose};
 /// The effect of a force on every joint of a rig, by column.
 #[derive(Debug, Clone)]
 pub(super) struct Pull {
-    /// Jᵀ times the force.
+    /// Product of Jᵀ and the force.
     pub(super) along: DVector<f64>,
-    /// Sum, over all joints that an axis moves, of the cross product of the velocity that the axis gives and the
-    /// force. The angular velocity of an outer axis increases the force along the column by its product with this
-    /// sum. For a ball joint that turns in the world ([`Rig::stepped`]), it is the mean of this sum and the sum
-    /// with both velocities exchanged.
+    /// Sum, over all joints that an axis moves, of the cross product of two vectors: the velocity that the axis
+    /// gives to the joint, and the force on the joint. Multiplied by the angular velocity of an outer axis, it
+    /// gives the change of the force along the column. For a ball joint that turns in the world
+    /// ([`Rig::stepped`]), it is the mean over both orders of the axes.
     pub(super) gathered: Vec<DVec3>,
 }
 
 impl Rig {
-    /// Returns W½ J at a pose: a column for each axis of each moving joint.
+    /// Returns the weighted Jacobian `W½ J` at a pose: a column for each axis of each moving joint.
     pub(super) fn jacobian(&self, at: &RigPose) -> DMatrix<f64> {
         let mut jacobian = DMatrix::zeros(3 * self.joints.len(), self.columns);
         for (column, (moving, axis)) in at.axes.iter().enumerate() {
@@ -70,8 +70,8 @@ impl Rig {
     /// Computes the effect of a force on F. O(joints).
     pub(super) fn pull(&self, at: &RigPose, force: &DVector<f64>) -> Pull {
         let count = self.joints.len();
-        // Sums over each joint's subtree: the forces, Σ r fᵀ about the joint, and the part of that for second
-        // derivatives.
+        // Sums over each joint's subtree: the forces, the moment matrix Σ r fᵀ about the joint, and the part of it
+        // for second derivatives.
         let mut sum = vec![DVec3::ZERO; count];
         let mut moment = vec![DMat3::ZERO; count];
         let mut bent = vec![DMat3::ZERO; count];
@@ -93,7 +93,7 @@ impl Rig {
         let along = at.axes.iter().map(|(joint, axis)| {
             let moment = moment[*joint];
             let [x, y, z] = [moment.x_axis, moment.y_axis, moment.z_axis];
-            // Σ r × f.
+            // The torque is Σ r × f.
             let torque = DVec3::new(z.y - y.z, x.z - z.x, y.x - x.y);
             axis.angular.dot(torque) + axis.linear.dot(sum[*joint])
         });
@@ -120,7 +120,8 @@ impl Rig {
         bend
     }
 
-    /// Returns [`Rig::bend`] along two columns. The outer column's joint carries the inner column's, or is the
+    /// Returns [`Rig::bend`] along two columns. The outer column's joint is an ancestor of the inner column's, or
+    /// is the same.
     /// same.
     ///
     /// An outer axis rotates the velocity `u` that an inner axis gives: `∂²p = a × u`. For two axes of one ball

@@ -9,7 +9,7 @@ use sinew_core::projection::JointRange;
 /// The state of a joint's dofs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum JointPosition {
-    /// No dof.
+    /// State of a joint without dofs.
     Fixed,
     /// Angles in rad or distance in m of a joint with one or two axes; unused values are 0.
     Along([f64; 2]),

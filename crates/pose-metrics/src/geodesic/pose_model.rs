@@ -14,7 +14,7 @@ pub(super) struct PoseModel {
     pub(super) barrier: DVector<f64>,
     /// Diagonal without second derivatives and barriers.
     pub(super) own: DVector<f64>,
-    /// Effect of the forces at the curve's bends.
+    /// Effect of the forces that the curve's bends exert.
     pub(super) pull: Pull,
 }
 

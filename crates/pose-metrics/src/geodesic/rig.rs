@@ -28,14 +28,14 @@ pub struct RigJoint {
     pub rotation: DQuat,
     /// Position of the joint in the parent, m.
     pub offset_m: DVec3,
-    /// Range of motion.
+    /// Range of the joint's motion.
     pub range: JointRange,
     /// Weight of the squared displacement of the joint.
     pub weight: f64,
 }
 
 impl From<&Body> for RigJoint {
-    /// Returns a joint without a range, with weight 1.
+    /// Returns a joint of the body's kind without a range, with weight 1.
     fn from(body: &Body) -> Self {
         Self {
             parent: body.parent,

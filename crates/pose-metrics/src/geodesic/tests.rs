@@ -98,8 +98,8 @@ fn derivatives_are_those_of_positions() {
     }
 }
 
-/// Both orders of elimination solve one system of equations: with joints at ends of their ranges, with and without
-/// second derivatives.
+/// Checks that both orders of elimination solve one system of equations: with joints at ends of their ranges, with
+/// and without second derivatives.
 #[test]
 fn steps_are_the_same_in_every_order() {
     let mut joints = rig_of_all_kinds();
@@ -127,8 +127,8 @@ fn steps_are_the_same_in_every_order() {
     }
 }
 
-/// A chain of the maximum number of joints, all ball joints: pose by pose, an iteration would cost the cube of its
-/// 765 columns.
+/// Tests a chain of the maximum number of joints, all ball joints. Elimination pose by pose would cost the cube of
+/// its 765 columns per iteration.
 #[test]
 fn a_long_chain_gets_shorter() {
     let joints: Vec<_> = (0..256)
@@ -238,7 +238,7 @@ fn joints_stay_within_their_ranges() {
     assert!(any.energy_m2 < ranged.energy_m2 && ranged.energy_m2 < locked.energy_m2);
 }
 
-/// A hinge without a range takes the shorter way round; a hinge with a range may not.
+/// Checks that a hinge without a range takes the shorter way round; a hinge with a range may not.
 #[test]
 fn hinges_go_the_shorter_way_round() {
     let mut joints = vec![
@@ -289,7 +289,7 @@ fn poses_that_are_nearly_the_same_are_no_trouble() {
     }
 }
 
-/// The range of a ball joint ends at a sphere, whose curvature increases as it gets smaller.
+/// Tests the range of a ball joint. It ends at a sphere, whose curvature increases as the sphere gets smaller.
 #[test]
 fn the_way_goes_along_the_end_of_a_turns_range() {
     for most_rad in [0.7, 0.1, 0.01, 1e-4] {
@@ -312,8 +312,8 @@ fn the_way_goes_along_the_end_of_a_turns_range() {
     }
 }
 
-/// A figure of ball joints, like those of recorded skeletons: hips and collars hardly turn, and all other joints
-/// arrive near the ends of their ranges. An active-set method needs more than 200 iterations for this.
+/// Tests a figure of ball joints, like those of recorded skeletons: hips and collars hardly turn, and all other
+/// joints arrive near the ends of their ranges. An active-set method needs more than 200 iterations for this.
 #[test]
 fn tight_ranges_converge() {
     let ball = |parent, x: f64, y: f64| RigJoint {
@@ -363,8 +363,8 @@ fn tight_ranges_converge() {
     }
 }
 
-/// A step rotates the bones of a chain in the world. With steps in the joints' own coordinates this needs more
-/// than 200 iterations.
+/// Tests long chains. A step rotates their bones in the world; with steps in the joints' own coordinates they need
+/// more than 200 iterations.
 #[test]
 fn chains_of_many_balls_converge() {
     for (count, size) in [(30, 0.05), (40, 0.05), (60, 0.1), (60, 0.2)] {

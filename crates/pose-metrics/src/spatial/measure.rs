@@ -129,7 +129,7 @@ impl<'r, const N: usize> RigMeasure<'r, N> {
     /// Creates a measure for the poses of a rig.
     ///
     /// # Panics
-    /// Never: a rig's importances and the squares of its bones are valid weights.
+    /// Never: a rig's importances, and the squares of its bones' lengths, are valid weights.
     pub fn new(rig: &'r SpatialRig<N>, measure: Measure) -> Self {
         let alike = PoseSpace::new(rig.tree());
         let mut weights = match measure.weighting {
@@ -155,7 +155,7 @@ impl<'r, const N: usize> RigMeasure<'r, N> {
         Self { rig, space, measure, geodesics }
     }
 
-    /// Returns the measure.
+    /// Returns the measure of this object.
     pub const fn measure(&self) -> Measure {
         self.measure
     }

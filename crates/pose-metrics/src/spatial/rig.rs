@@ -150,7 +150,7 @@ impl<const N: usize> SpatialRig<N> {
         self.tree.bodies().iter().zip(&self.bodies).map(place).collect()
     }
 
-    /// Adds all bodies, depth first from the bone that joint `start` turns.
+    /// Adds all bodies in depth-first order, starting with the bone that joint `start` turns.
     fn grow(&mut self, skeleton: &Skeleton, start: usize) -> Result<(), SpatialError> {
         // Stack of bones to add: the bone, and the bone and the body from which it was reached.
         let mut open = vec![(start, None::<(usize, usize)>)];

@@ -64,7 +64,7 @@ impl Rigid {
                     end_sites_m: joint.end_sites_m.clone(),
                 });
             } else {
-                // The root is kept, which guarantees a parent.
+                // The root is kept; therefore a parent exists.
                 let parent = on.map_or(0, |on| on.0);
                 places.push((parent, (turn * still[index]).normalize(), offset_m));
             }
@@ -88,7 +88,7 @@ impl Rigid {
     }
 }
 
-/// Returns a rotation with a turn before it; without a turn, exactly the same bits.
+/// Returns a rotation preceded by `turn`. If `turn` is the identity, the result has exactly the same bits.
 fn turned(turn: DQuat, rotation: DQuat) -> DQuat {
     if turn == DQuat::IDENTITY { rotation } else { (turn * rotation).normalize() }
 }

@@ -6,7 +6,7 @@ use sinew_core::importance::{ImportanceError, RestPoseError, VertexError};
 
 use super::limits::JOINT_COUNT_MAX;
 
-/// The error of a character that a method cannot weight.
+/// The error of a character whose weights a method cannot compute.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A setting whose value is invalid.

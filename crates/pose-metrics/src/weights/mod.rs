@@ -68,11 +68,11 @@ pub struct Settings {
     /// Initial weight of every joint, in the method's unit; `None` for the method's default, see
     /// [`Settings::base_of`].
     pub base: Option<f64>,
-    /// Factor on a bone's contribution for each joint further up, for lengths.
+    /// Discount of a bone's length for each joint further up; used by the method [`Method::Lengths`].
     pub discount: f64,
-    /// Rule for the area of a vertex, for the mesh.
+    /// Rule for the area of a vertex; used by the method [`Method::Mesh`].
     pub vertex_area: VertexArea,
-    /// Radii of the cylinders.
+    /// Radii of the cylinders; used by the method [`Method::Cylinders`].
     pub radii: Radii,
 }
 

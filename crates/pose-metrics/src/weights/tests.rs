@@ -62,7 +62,8 @@ fn lengths_of_an_arm() {
     close(&weighing.weights, &raw.map(|weight| weight / sum));
 }
 
-/// The estimated radii are those of the sleeve, and its skin gives the weights of cylinders with these radii.
+/// Checks that the estimated radii are those of the sleeve, and that its skin gives the weights of cylinders with
+/// these radii.
 #[test]
 fn radii_are_those_of_the_sleeve() {
     let character = arm(Some(sleeve()));
@@ -164,7 +165,7 @@ fn what_cannot_be_weighed_is_refused() {
     );
 }
 
-/// Every accepted setting gives weights.
+/// Checks that every accepted setting gives weights.
 #[test]
 fn the_largest_settings_are_weighed() {
     let mut mesh = sleeve();
@@ -186,7 +187,8 @@ fn the_largest_settings_are_weighed() {
     }
 }
 
-/// A mesh without triangles, or only with triangles of zero area, would leave every joint with its base.
+/// Checks that a mesh without triangles, or only with triangles of zero area, is refused: every joint would keep
+/// its base.
 #[test]
 fn a_mesh_without_surface_is_refused() {
     let message =
@@ -242,8 +244,8 @@ fn tables_have_a_row_for_each_joint() {
 }
 
 proptest! {
-    /// The position and rotation of a character do not change its joints' weights; its size changes them only
-    /// relative to the base.
+    /// Checks that the position and rotation of a character do not change its joints' weights; its size changes
+    /// them only relative to the base.
     #[test]
     fn weights_do_not_depend_on_place_and_turn(
         x in -50.0..50.0, angle in -3.0..3.0, size in 0.5..2.0,

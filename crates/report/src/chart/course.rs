@@ -12,7 +12,7 @@ use super::quantity::Quantity;
 
 const HEIGHT: f64 = 260.0;
 
-/// The statistic over all bodies at a time.
+/// A statistic over all bodies at one time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Statistic {
     /// The mean over all bodies.

@@ -5,7 +5,8 @@ use maud::{Markup, html};
 use super::axis::Axis;
 use super::path::px;
 
-/// Width of a chart. Two charts fit beside each other on a wide page, one on a narrow page; both are readable.
+/// Width of a chart. Two charts fit beside each other on a wide page, and one chart fits on a narrow page; both
+/// are readable.
 pub(crate) const WIDTH: f64 = 480.0;
 
 /// The rectangle between the axes, in the chart's units.

@@ -15,9 +15,9 @@ const KEY: f64 = 18.0;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
     pub mean: f64,
-    /// Middle half of the values.
+    /// Interval of the middle half of the values.
     pub middle: [f64; 2],
-    /// Range of the values without the outermost.
+    /// Interval of the values without the outermost.
     pub ends: [f64; 2],
 }
 

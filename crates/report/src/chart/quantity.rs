@@ -2,12 +2,12 @@
 
 use sinew_evaluation::ErrorTotals;
 
-/// The quantity of an error.
+/// A kind of error, with its unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Quantity {
-    /// Angles, in degrees.
+    /// Angular errors, in degrees.
     Angular,
-    /// Distances, in centimetres.
+    /// Linear errors, in centimetres.
     Linear,
 }
 

@@ -34,7 +34,7 @@ pub(super) fn course(watch: &Watch) -> Markup {
     }
 }
 
-/// Returns the text of a fault, marked if it is only a warning.
+/// Returns the text of a fault or a warning, with its kind.
 fn fault_text(fault: &str) -> Markup {
     let warning = fault.strip_prefix("warning ").map(|warning| ("Warning: ", warning));
     let (kind, what) = warning.unwrap_or(("Fault: ", fault));

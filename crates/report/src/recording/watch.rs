@@ -54,7 +54,7 @@ struct Joint {
     current: Vec<f64>,
     /// Limiter by sample: its number, counted from 1; 0 for none.
     limiter: Vec<u8>,
-    /// Oscillation by sample: 1 if the joint oscillates.
+    /// Oscillation by sample: 1 if the joint oscillates in it.
     swings: Vec<u8>,
     told: JointSummary,
 }

@@ -10,8 +10,8 @@ pub type Points = Vec<DVec3>;
 /// ends, in metres for a girth of 1.
 pub(crate) type Part = (usize, usize, f64, f64, f64, f64);
 
-/// Thickness of the measured mannequin relative to the desired one, in which it is drawn. If they agree, an even
-/// white rim remains visible; otherwise red protrudes from it.
+/// Thickness of the measured mannequin relative to the desired one. It is drawn inside the desired one: if they
+/// agree, an even white rim remains visible; otherwise red protrudes from it.
 pub(crate) const MEASURED_GIRTH: f64 = 0.74;
 
 /// The shape of a rig, only for display.

@@ -5,14 +5,14 @@ use sinew_rig::mechanism::{JointModel, Link, Mechanism};
 
 use super::mannequin::{Mannequin, Part};
 
-/// Minimum length of a part with a direction, as a share of the rig's size. The next constant is the length of a
-/// leaf without one.
+/// Length, as a share of the rig's size, below which a part has no direction. The next constant is the length of a
+/// leaf without a direction.
 const SHORTEST: f64 = 0.01;
 const STUB: f64 = 0.05;
 
 /// Radius at a joint that carries nothing, as a share of the rig's size. The next constant is the increase for a
-/// joint that carries the whole rig. It grows with the square root of the length beyond the joint, to keep fingers
-/// visible beside legs.
+/// joint that carries the whole rig. The increase grows with the square root of the length beyond the joint, to
+/// keep fingers visible beside legs.
 const THINNEST: f64 = 0.01;
 const THICKER: f64 = 0.04;
 
@@ -20,8 +20,7 @@ const THICKER: f64 = 0.04;
 const TAPER: f64 = 0.7;
 
 impl Mannequin {
-    /// Returns the mannequin of a rig. A leaf extends from its joint through its centre of mass, equally far
-    /// beyond it.
+    /// Returns the mannequin of a rig. A leaf starts at its joint, and its centre of mass is in its middle.
     pub fn of_rig(mechanism: &Mechanism) -> Self {
         let bodies = &mechanism.bodies;
         let mut leaves = vec![true; bodies.len()];

@@ -22,7 +22,7 @@ const FIGURE_HEIGHT: f64 = 330.0;
 /// Height of the title and the line below it.
 const TOP: f64 = 48.0;
 
-/// Writes the picture as SVG, or as PNG if the file has that extension.
+/// Writes the picture as SVG or PNG, selected by the file's extension.
 ///
 /// # Errors
 /// The error of the operating system; [`io::ErrorKind::InvalidInput`] for a file with another extension.

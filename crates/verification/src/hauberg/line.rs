@@ -54,7 +54,7 @@ impl Line {
         Self::with(case, Rotation::exp, Rotation::unit)
     }
 
-    /// Computes the line like the core's four-lane code.
+    /// Computes the line with the operations of the core's code for four points at a time.
     pub(super) fn by_fours(case: &Case) -> Self {
         Self::with(case, exp_by_powers, |rotation| rotation)
     }
@@ -144,7 +144,7 @@ fn in_vectors(at: Vector, of_motion: Vector) -> Vector {
     let (sine, cosine) = (angle.function(f64::sin), angle.function(f64::cos));
     let squared = angle * angle;
     let (of_cross, of_square) = if squared.exact() < 0.06 {
-        // Series, since the differences below have no significant digits left.
+        // A series is used, since the differences below have no significant digits left.
         (
             squared.function(|s| 0.5 - s * (1.0 / 24.0 - s / 720.0)),
             squared.function(|s| 1.0 / 6.0 - s * (1.0 / 120.0 - s / 5040.0)),
@@ -160,7 +160,7 @@ fn in_vectors(at: Vector, of_motion: Vector) -> Vector {
 fn exp_by_powers(vector: Vector) -> Rotation {
     let half = vector.doubled(0.5);
     let squared = half.dot(half);
-    // 1 - x² / (n (n + 1)) (1 - x² / ((n + 2) (n + 3)) ...), summed as powers.
+    // The series is 1 - x² / (n (n + 1)) (1 - x² / ((n + 2) (n + 3)) ...), summed as powers.
     let series = |first: f64| {
         let mut coefficients = vec![1.0];
         for k in 0..9 {

@@ -121,8 +121,7 @@ pub fn mass_matrix(links: &[Link], joints: &[Joint]) -> Vec<Vec<Number>> {
             composites[parent] = composites[parent].plus(&carried);
         }
     }
-    // Conversion of bodies and of the vectors from their parents to the axes of the root, whose own rotation is
-    // zero.
+    // Converts bodies, and the vectors from their parents, to the axes of the root, whose own rotation is zero.
     let mut turns: Vec<Rotation> = Vec::with_capacity(links.len());
     let mut rotations: Vec<Matrix> = Vec::with_capacity(links.len());
     let mut arms = Vec::with_capacity(links.len());
@@ -162,7 +161,7 @@ pub fn mass_matrix(links: &[Link], joints: &[Joint]) -> Vec<Vec<Number>> {
     rows
 }
 
-/// Rigidly connected bodies, about an origin.
+/// Several rigidly connected bodies, with their inertia about an origin.
 #[derive(Clone, Copy)]
 struct Composite {
     mass: Number,

@@ -14,9 +14,9 @@ type Inertia = [Six; 6];
 struct Body {
     matrix: Matrix,
     columns: Vec<Six>,
-    /// Angular velocity of the joint times its axes' own motion.
+    /// Acceleration from the motion of the joint's own axes.
     along_axes: Vector,
-    /// Acceleration of the body that results from velocities alone, with its parent at rest.
+    /// Acceleration of the body, relative to its parent's, that results from velocities alone.
     moving: Six,
     inertia: Inertia,
     wrench: Six,

@@ -52,7 +52,8 @@ impl Link {
     }
 
     /// Returns the columns by way of the parent's axes, as the mass matrix and forward dynamics compute that axis.
-    /// Errors of two quaternions' lengths cancel in their product, but do not cancel on this way.
+    /// Errors in the lengths of two quaternions cancel in the product of the quaternions, but not in this
+    /// computation.
     pub fn columns_by_parent(&self, to_parent: &Matrix) -> Vec<Motion> {
         self.columns_by(|first| to_parent.turn_back(self.placement.turn(first)))
     }

@@ -33,7 +33,7 @@ pub struct Number {
 }
 
 impl Number {
-    /// Zero.
+    /// The number zero.
     pub const ZERO: Self = Self { exact: 0.0, lanes: [0.0; LANES] };
 
     /// Creates a number that f32 represents exactly.
@@ -74,7 +74,8 @@ impl Number {
         Self::rounded_more(exact, 1.0, key, lane)
     }
 
-    /// Applies [`Self::rounded`] with `times` the deviation, for a function of `times` squared rounding steps.
+    /// Rounds like [`Self::rounded`], but with `times` the standard deviation, for a function of `times` squared
+    /// rounding steps.
     #[inline]
     fn rounded_more(exact: f64, times: f64, key: u64, lane: impl Fn(usize) -> f64) -> Self {
         // A rounding is uniform within half a unit: its standard deviation is that divided by the root of 3.
@@ -130,7 +131,7 @@ fn power_of_two_below(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & 0x7ff0_0000_0000_0000)
 }
 
-/// Mixes bits well.
+/// Mixes bits, to make all of them depend on all input bits.
 #[inline]
 fn mixed(bits: u64) -> u64 {
     let z = bits.wrapping_mul(0x9e37_79b9_7f4a_7c15);

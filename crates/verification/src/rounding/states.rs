@@ -152,7 +152,7 @@ pub struct Compensated {
 }
 
 impl Compensated {
-    /// Computes the compensation for a goal at distance `arm` from the desired origin.
+    /// Computes the compensation for a goal whose vector from the desired origin is `arm`.
     pub fn new(arm: Vector, beta: Number, desired: &State, measured: &State) -> Self {
         let world = Difference::between(desired, measured);
         let way = world.linear + arm;

@@ -86,7 +86,7 @@ impl States {
     }
 }
 
-/// An error as in the files.
+/// A state error as in the files.
 #[derive(Deserialize, Clone, Copy)]
 pub(super) struct Difference {
     pub(super) e_rot: Vector,

@@ -1,8 +1,8 @@
-//! Settings of the engine.
+//! Settings of the game engine rapier.
 
 use crate::plant::{Description, Settings};
 
-/// Settings of the engine.
+/// The settings of the game engine rapier that differ between the plants.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct EngineSettings {
     name: &'static str,
@@ -48,7 +48,7 @@ impl EngineSettings {
         ..Self::TORQUE_CONTROL
     };
 
-    /// Defaults of the engine, except that bodies at rest do not sleep.
+    /// The engine's default settings, except that bodies at rest do not sleep.
     pub const DEFAULTS: Self = Self {
         name: "rapier_defaults",
         solver_iterations: 4,

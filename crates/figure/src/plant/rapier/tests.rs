@@ -114,7 +114,7 @@ fn a_torque_acts_on_the_body_and_back_on_its_parent() {
     let torque = DVec3::new(0.0, 0.3, 0.0);
     let torque_nm = vec![DVec3::ZERO, torque];
     plant.step(&Drive { torque_nm, force_n: vec![-GRAVITY_M_S2 * 2.0, DVec3::ZERO] });
-    // h² τ / I; a rotation of 3e-4 rad is its sine to 1e-8.
+    // The rotation is h² τ / I; for 3e-4 rad it equals its sine to 1e-8.
     let expected = DT_S * DT_S * 0.3 / 0.1;
     for (pose, sign) in plant.poses().iter().zip([-1.0, 1.0]) {
         assert!((pose.rotation.to_scaled_axis().y - sign * expected).abs() < 1e-10);

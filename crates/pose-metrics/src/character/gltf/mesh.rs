@@ -56,7 +56,7 @@ pub(super) fn add(
     Ok(unlike_one)
 }
 
-/// The part of the character with which a mesh moves.
+/// The skin or the joint with which a mesh moves.
 enum Owner<'a> {
     Skin(&'a Binding),
     /// The joint to which the mesh is attached, and the transform from the mesh to the world.

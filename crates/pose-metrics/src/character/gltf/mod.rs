@@ -59,7 +59,7 @@ fn document(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), Refusal> {
     let file = Gltf::from_slice_without_validation(bytes).map_err(in_words)?;
     let mut json = file.document.into_json();
     extensions::check(&mut json)?;
-    // The crate's validation uses these indices before it checks them.
+    // The crate's validation uses these indices before it checks them. Therefore they are checked here.
     let count = json.accessors.len();
     let primitives = json.meshes.iter().flat_map(|mesh| &mesh.primitives);
     for accessor in primitives.flat_map(|primitive| primitive.attributes.values()) {

@@ -10,7 +10,7 @@ use crate::character::error::{Refusal, refuse};
 pub(super) struct Nodes {
     parents: Vec<Option<usize>>,
     world: Vec<DMat4>,
-    /// Fault of each node that flattens its children.
+    /// Fault of each node whose transform is flat, which would flatten all that it contains.
     flat: Vec<Option<Refusal>>,
 }
 

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::*;
 
-/// The bytes of a buffer, and the views of it.
+/// The bytes of a buffer, and the buffer's views.
 #[derive(Default)]
 struct Data {
     bytes: Vec<u8>,
@@ -259,7 +259,7 @@ fn nodes_that_are_used_have_an_inverse() {
         ),
         "{singular}"
     );
-    // The axes are far from dependent, however small they are.
+    // Small axes are accepted, since they are far from linearly dependent.
     changed(|f| f["nodes"][0]["scale"] = json!([1e-9, 0.01, -0.01])).unwrap();
 }
 

@@ -47,7 +47,7 @@ fn only_trees_are_characters() {
     }
 }
 
-/// A parent may have a larger index than its children.
+/// Checks that a parent may have a larger index than its children.
 #[test]
 fn joints_may_come_in_any_order() {
     let joints = vec![joint("hand", Some(1), [0.0, 3.0, 4.0]), joint("arm", None, [0.0; 3])];
@@ -88,7 +88,7 @@ fn shares_are_made_to_sum_to_one() {
     }
 }
 
-/// A square of two triangles, and a vertex that belongs to no triangle.
+/// Tests a square of two triangles, and a vertex that belongs to no triangle.
 #[test]
 fn a_vertex_stands_for_the_surface_around_it() {
     let mesh = Mesh {
@@ -230,7 +230,7 @@ proptest! {
         check(geno(&bytes));
     }
 
-    /// The file is identified by its size alone: a truncated file is not recognized.
+    /// Checks that a truncated file is not recognized, since the file is identified by its size alone.
     #[test]
     fn a_cut_geno_bin_is_refused(at in 0..326_usize) {
         prop_assert!(geno(&geno_bin()[..at]).is_err());
@@ -289,7 +289,8 @@ fn data() -> PathBuf {
     std::env::var_os("SINEW_DATA").expect("SINEW_DATA names the folder of the data").into()
 }
 
-/// Mesh and motion are of one character: equal joints, bones of equal length, and frame 0 in the pose of the mesh.
+/// Checks that mesh and motion are of one character: equal joints, bones of equal length, and frame 0 in the pose
+/// of the mesh.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn geno_is_the_same_in_both_of_its_files() {

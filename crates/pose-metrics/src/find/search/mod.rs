@@ -97,15 +97,15 @@ const EVERY: usize = 8;
 /// Factor for the differences between sums of equal numbers in different order, with a margin.
 const SUM: f64 = 1.0 - 1e-12;
 
-/// A place: clip and pose.
+/// A place in the clips: index of the clip, and index of the pose.
 type FrameTime = (usize, usize);
 
 /// The known information about a place.
 #[derive(Debug, Clone, Copy)]
 enum Known {
-    /// Complete squared sum.
+    /// The complete squared sum of the place.
     All(f64),
-    /// Lower bound of the squared sum.
+    /// A lower bound of the squared sum of the place.
     AtLeast(f64),
 }
 

@@ -123,7 +123,7 @@ proptest! {
         prop_assert_eq!(found, one_thread.install(|| search.nearest(limits, |_| ())));
     }
 
-    /// The margin of the bound is far above the rounding: a hundredth of it would be sufficient.
+    /// Checks that the margin of the bound is far above the rounding: a hundredth of it would be sufficient.
     #[test]
     fn lines_are_not_shorter_than_the_bound(seed in any::<u64>(), turn in -6.0..0.5, weighted in any::<bool>()) {
         let rig = SpatialRig::new(&skeleton(), None).unwrap();
@@ -160,7 +160,8 @@ fn lines_far_away_are_spared() {
     }
 }
 
-/// Geodesics are visited in the order of the straight-line distance, and the nearest are still found.
+/// Checks that geodesics are visited in the order of the straight-line distance, and that the nearest are still
+/// found.
 #[test]
 fn geodesics_far_away_are_spared() {
     let rig = SpatialRig::new(&skeleton(), None).unwrap();
