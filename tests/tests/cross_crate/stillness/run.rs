@@ -30,7 +30,7 @@ const SHOW_RAD: f64 = 2e-4;
 pub(super) struct Sample {
     pub(super) commanded: f64,
     pub(super) measured: f64,
-    /// Error that the controller reports: measured position minus the command of the previous tick.
+    /// Error that the controller reports, rad: the command of the tick before minus the measured position.
     pub(super) error_rad: f64,
     pub(super) current_a: f64,
     pub(super) is_limited: bool,
