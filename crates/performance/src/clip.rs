@@ -100,7 +100,7 @@ pub enum ClipError {
     Gap {
         /// Path of the file.
         clip: String,
-        /// The gap.
+        /// Place and length of the gap.
         source: gaps::GapError,
     },
     /// A joint cannot be low-pass filtered.

@@ -1,4 +1,4 @@
-//! Installs missing tools.
+//! Installs missing tools for developers.
 
 use std::process::Command;
 

@@ -23,7 +23,7 @@ use super::rig::read;
 /// If the machine went down or the disk was full, the recording is cut off. The page shows the part that is complete.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The recording.
+    /// Recording of `sinew play --record`.
     #[arg(value_name = "RECORDING.parquet")]
     recording: PathBuf,
 

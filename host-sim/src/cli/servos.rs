@@ -85,7 +85,7 @@ enum LoadArg {
     /// A weight at a distance of 10 cm, hanging at the middle of the range. Held horizontally it needs a tenth of the
     /// stall torque.
     Arm,
-    /// A bare horn.
+    /// A horn without a load.
     None,
 }
 

@@ -36,7 +36,7 @@ pub(crate) struct TreeJoint {
     pub moves: Option<&'static str>,
 }
 
-/// A file, inspected.
+/// Facts about an inspected file.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Inspected {
     /// Path of the file.

@@ -173,7 +173,7 @@ pub fn inertia(dose: u32) -> impl Strategy<Value = Inertia> + Clone {
 /// A tree, the desired and the actual motion of its joints, and external wrenches on its bodies.
 #[derive(Debug, Clone)]
 pub struct Scene<const N: usize> {
-    /// The rig.
+    /// Bodies and joints of the rig.
     pub tree: Tree<N>,
     /// Desired motion of the joints.
     pub targets: JointTargets<N>,

@@ -29,7 +29,7 @@ const BLOCK: u64 = 1 << 16;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RecordingError {
-    /// An I/O error.
+    /// An I/O error while the file is read.
     #[error(transparent)]
     Io(#[from] std::io::Error),
     /// The file does not begin like a Parquet file.

@@ -39,7 +39,7 @@ pub enum TeachResultError {
 /// A motion that was taught by hand.
 #[derive(Debug, Clone)]
 pub struct TeachResult {
-    /// The motion.
+    /// The taught motion, without rest and noise.
     pub motion: RigMotion,
     /// Rest that was cut before and after, s.
     pub cut_s: [f64; 2],

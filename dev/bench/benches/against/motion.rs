@@ -113,7 +113,7 @@ pub(crate) fn axes(joint: JointKind) -> Vec<DVec3> {
     }
 }
 
-/// Rounds to f32.
+/// Rounds a number to f32.
 #[expect(clippy::cast_possible_truncation, reason = "rounding is meant")]
 pub(crate) fn single(value: f64) -> f32 {
     value as f32

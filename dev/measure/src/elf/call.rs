@@ -5,7 +5,7 @@
 pub(crate) struct Call {
     /// Address of the instruction.
     pub(crate) at: u64,
-    /// Called function.
+    /// Function that is called.
     pub(crate) to: Target,
     /// Whether the call does not return here: the caller's frame is already removed from the stack.
     pub(crate) is_tail: bool,

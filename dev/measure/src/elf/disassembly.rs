@@ -6,7 +6,7 @@ use capstone::arch::BuildsCapstone;
 use capstone::arch::BuildsCapstoneExtraMode;
 use capstone::arch::arm::{ArchExtraMode, ArchMode};
 
-/// An instruction.
+/// A decoded instruction.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Instruction {
     /// Address of its first byte.

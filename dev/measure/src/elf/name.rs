@@ -1,4 +1,4 @@
-//! Names of functions.
+//! Demangles and shortens names of functions.
 
 /// Returns the name of a symbol in the source, without the compiler's hash.
 pub(super) fn demangled(symbol: &str) -> String {

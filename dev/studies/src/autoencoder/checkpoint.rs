@@ -35,9 +35,9 @@ pub enum CheckpointError {
         file: PathBuf,
         /// Name of the tensor.
         tensor: String,
-        /// Expected content.
+        /// Description of valid content.
         expected: String,
-        /// Found content.
+        /// Description of the content in the file.
         found: String,
     },
     /// The file belongs to another training.

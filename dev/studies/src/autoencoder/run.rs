@@ -52,7 +52,7 @@ pub struct Plan<'a> {
 /// A trained network with its errors.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Outcome {
-    /// Latent units.
+    /// Number of latent units of the network.
     pub latent: usize,
     /// Method of its loss.
     pub method: Method,
@@ -71,7 +71,7 @@ pub struct Outcome {
 pub struct Example {
     /// Index among the test poses.
     pub index: usize,
-    /// The pose.
+    /// The original test pose.
     pub original: Pose,
     /// Latent units, method and reconstruction.
     pub reconstructions: Vec<(usize, Method, Pose)>,
@@ -107,7 +107,7 @@ pub enum Error {
     /// There are no poses for training or testing.
     #[error("{of}: there are no poses")]
     NoPoses {
-        /// Training or test.
+        /// "training" or "test", for the message.
         of: &'static str,
     },
     /// The threads cannot be started.

@@ -20,7 +20,7 @@ const WARM_UP: usize = 5;
 /// Median times of a step on one thread, in milliseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct StepTime {
-    /// Latent units.
+    /// Number of latent units of the network.
     pub latent: usize,
     /// Method of the loss.
     pub method: Method,

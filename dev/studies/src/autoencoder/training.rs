@@ -54,7 +54,7 @@ impl Training {
         Ok(Self { moments: moments.collect::<Result<_>>()?, network, step: 0, seed, order: None })
     }
 
-    /// Runs one step.
+    /// Runs one step of the training on the next batch.
     pub(super) fn advance(
         &mut self,
         samples: &Samples,

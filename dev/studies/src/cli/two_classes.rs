@@ -53,7 +53,7 @@ impl TwoClassesArgs {
         Ok(SpatialRig::new(&classes.skeleton, self.root.as_deref())?)
     }
 
-    /// Returns all distances.
+    /// Returns all distances, with the steps of the option.
     pub(super) fn measures(&self) -> Vec<Measure> {
         Measure::all().map(|measure| Measure { steps: self.steps.get(), ..measure }).collect()
     }

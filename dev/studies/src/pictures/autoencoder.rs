@@ -102,7 +102,7 @@ fn reconstructions(study: &Study, skeleton: &Skeleton, latent: usize) -> Option<
     })
 }
 
-/// A single figure.
+/// A figure in the picture of reconstructions.
 struct Cell {
     method: Method,
     drawn: Markup,

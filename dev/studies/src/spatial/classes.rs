@@ -42,7 +42,7 @@ pub enum ClassesError {
     Few {
         /// Name of the class.
         class: &'static str,
-        /// Number of sequences.
+        /// Number of sequences that the class has.
         found: usize,
         /// Number that is drawn.
         needed: usize,

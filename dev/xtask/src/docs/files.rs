@@ -1,4 +1,4 @@
-//! The repository's files.
+//! Lists files of the repository.
 
 use std::path::PathBuf;
 

@@ -9,7 +9,7 @@ use pulldown_cmark::{CodeBlockKind, Event, Options, Parser, Tag, TagEnd};
 
 use sinew_steps::step;
 
-/// A Markdown file.
+/// A Markdown file of the repository.
 pub(super) struct Page {
     /// Path in the repository.
     pub(super) path: PathBuf,

@@ -1,4 +1,4 @@
-//! Text for faults.
+//! Converts fault numbers and records to text.
 
 use sinew_board_client::{Board, Line};
 use sinew_firmware::supervisor::Fault;

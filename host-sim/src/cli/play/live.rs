@@ -14,7 +14,7 @@ const WORST: usize = 6;
 /// Time between two updates.
 const EVERY: Duration = Duration::from_millis(100);
 
-/// The display.
+/// The live display of a play.
 pub(super) struct Live {
     bar: ProgressBar,
     state: Option<State>,

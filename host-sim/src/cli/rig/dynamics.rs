@@ -34,7 +34,7 @@ pub(super) struct DynamicsArgs {
     header: bool,
 }
 
-/// Computes and prints.
+/// Computes the efforts, or only the header, and prints them.
 pub(super) fn run(args: &DynamicsArgs) -> anyhow::Result<ExitCode> {
     let loaded = read_as(&args.rig, &args.units.import())?;
     if args.header {

@@ -24,7 +24,7 @@ use super::rig::find_rate;
 /// wrote it.
 #[derive(Debug, clap::Args)]
 pub(super) struct CalibrateArgs {
-    /// The rig.toml.
+    /// The rig.toml to read and to change.
     #[arg(long, value_name = "RIG")]
     rig: PathBuf,
 

@@ -25,7 +25,7 @@ pub(super) struct ReadArgs {
     format: Format,
 }
 
-/// Reads and prints.
+/// Reads the registers and prints them.
 pub(super) fn read(line: &LineArgs, args: &ReadArgs) -> anyhow::Result<ExitCode> {
     let (mut client, servo) = line.servo(args.id)?;
     let readings = registers::read(&mut client, &servo, &args.names)?;

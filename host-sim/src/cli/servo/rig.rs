@@ -121,7 +121,7 @@ struct Compared {
     differences: Vec<Difference>,
 }
 
-/// Compares and prints.
+/// Compares the servos' settings with the rig file and prints the differences.
 pub(super) fn diff(line: &LineArgs, args: &DiffArgs) -> anyhow::Result<ExitCode> {
     let (mut client, servos) = args.rig.servos(line)?;
     let mode = args.mode.mode.into();

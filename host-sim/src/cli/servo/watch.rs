@@ -42,7 +42,7 @@ pub(super) struct WatchArgs {
     interval_ms: u64,
 }
 
-/// Watches and prints.
+/// Prints samples of the servos until the last one or Ctrl-C.
 pub(super) fn run(line: &LineArgs, args: &WatchArgs) -> anyhow::Result<ExitCode> {
     let (mut client, servos) = servos(line, args)?;
     let is_terminal = io::stdout().is_terminal();

@@ -102,7 +102,7 @@ enum Ranged {
     No,
     /// Ranges with ends at most this far from the joints' positions.
     Near(f32),
-    /// Ranges anywhere.
+    /// Ranges that do not depend on the joints' positions.
     Wild,
 }
 

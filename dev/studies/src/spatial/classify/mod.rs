@@ -41,7 +41,7 @@ pub enum LeaveOut {
 }
 
 impl LeaveOut {
-    /// Both choices.
+    /// Both choices, in the order of tables.
     pub const ALL: [Self; 2] = [Self::Sequence, Self::Group];
 }
 
@@ -84,7 +84,7 @@ impl std::iter::Sum for Tally {
 /// Results of one measure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
-    /// The measure.
+    /// Measure of the distances.
     pub measure: Measure,
     /// Poses that did not count as neighbours.
     pub leave: LeaveOut,

@@ -79,7 +79,7 @@ pub struct Pair {
 /// Results of one measure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
-    /// The measure.
+    /// Measure of the distances.
     pub measure: Measure,
     /// Kind of the pairs.
     pub pairing: Pairing,

@@ -18,14 +18,14 @@ pub enum Pairing {
 /// A pose of a recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment<'a> {
-    /// The recording.
+    /// Recording that contains the pose.
     pub sequence: &'a Sequence,
     /// Index of the frame.
     pub frame: usize,
 }
 
 impl<'a> Moment<'a> {
-    /// Returns the pose.
+    /// Returns the pose at this frame.
     pub fn pose(&self) -> &'a Pose {
         &self.sequence.frames[self.frame]
     }

@@ -26,7 +26,7 @@ pub const PAPER_LOWEST_RATIO: f64 = 0.94;
 /// Settings of the study.
 #[derive(Debug, Clone, Copy)]
 pub struct Plan<'a> {
-    /// The recordings.
+    /// Recordings from which pairs are drawn.
     pub recordings: &'a Recordings,
     /// Joint from which poses are seen; if `None`, the skeleton's root.
     pub root: Option<&'a str>,
@@ -93,7 +93,7 @@ pub struct Pair {
     pub line_m: f64,
     /// Length of the geodesic, m.
     pub geodesic_m: f64,
-    /// Number of iterations.
+    /// Number of iterations of the solver.
     pub iterations: usize,
     /// Whether the gradient is below the tolerance.
     pub converged: bool,
@@ -109,9 +109,9 @@ impl Pair {
 /// A condition and its pairs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
-    /// The condition.
+    /// Condition under which the pairs were drawn.
     pub condition: Condition,
-    /// Its pairs.
+    /// Results of the pairs of this condition.
     pub pairs: Vec<Pair>,
 }
 
