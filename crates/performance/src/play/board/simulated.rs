@@ -24,7 +24,7 @@ use crate::play::{BODIES, COORDINATES, DOFS, Memory, RigParts, SERVOS, Wires, pu
 
 /// Steps of the background task per tick. They take 64 bytes each.
 const STEPS: u32 = 8;
-/// Name of the person who approves the rig that is stored in a simulated board.
+/// Name of the approver that is stored with the rig of a simulated board.
 const APPROVER: &str = "simulated board";
 
 /// A board that is powered on.
