@@ -1,4 +1,4 @@
-//! Aligned targets of a performance that comes frame by frame: every step between two frames is taken once.
+//! Aligned targets of a performance that arrives frame by frame. Each step between two frames is computed once.
 
 use crate::joint_targets::JointTargets;
 use crate::pose_step::{rate, step};
@@ -6,9 +6,11 @@ use crate::state::{StateInputError, check_pose};
 use crate::trajectory::put_difference;
 use crate::transform::{Transform, Twist};
 
-/// What [`aligned_targets`](crate::trajectory::aligned_targets) makes of three frames, to the last bit. `steps`: by
-/// joint, from the first frame to the middle one; from the middle one to the last is what they become. So they are
-/// those of the next three, which are the last three moved on by one.
+/// Computes the result of [`aligned_targets`](crate::trajectory::aligned_targets) for three frames, equal to the last
+/// bit.
+///
+/// `steps`, by joint: on entry the steps from the first frame to the middle frame, on return those from the middle
+/// frame to the last. They are then ready for the next call, whose frames are these three moved on by one.
 pub(crate) fn advance<'s, const N: usize>(
     [_, now, next]: [&[Transform]; 3],
     dt_s: f32,
@@ -25,7 +27,8 @@ pub(crate) fn advance<'s, const N: usize>(
     Ok(())
 }
 
-/// The steps from the first frame to the middle one, where they are not known from the frames before.
+/// Computes the steps from the first frame to the middle frame, for a window that does not follow from the one
+/// before.
 // Not within its caller, which takes them once.
 #[inline(never)]
 pub(crate) fn begin<'s>(

@@ -1,4 +1,4 @@
-//! Targets by forward differences of the bodies, from frames that come one after the other.
+//! Targets by forward differences of the bodies, from frames that arrive one after the other.
 
 use glam::Vec3;
 
@@ -10,15 +10,15 @@ use crate::state::{BodyState, JointState, StateInputError, checked_poses};
 use crate::transform::{Transform, Twist};
 use crate::tree::Tree;
 
-/// Targets of all joints at the first of three frames by forward differences (13), as
-/// [`forward_targets`](crate::trajectory::forward_targets) makes them, but with the velocities of the *bodies*
-/// differenced: they move with the forward differences of the bodies' world poses.
+/// Computes targets of all joints at the first of three frames by forward differences (13), like
+/// [`forward_targets`](crate::trajectory::forward_targets), but takes the differences of the *bodies'* world poses
+/// for the velocities.
 ///
-/// That is the velocity that the world errors (4) and (10) compare. Velocities composed of differences of
-/// joint poses are not quite it: they miss `h/2 ω_parent × ω_joint` (and the like of the positions), since
-/// the parent turns during the step too.
+/// The world errors (4) and (10) compare these velocities. Velocities composed of differences of joint poses deviate
+/// from them: they miss `h/2 ω_parent × ω_joint` (and a similar term of the positions), since the parent turns during
+/// the step too.
 ///
-/// It remembers what two windows of frames have in common, so every step between frames is taken once.
+/// The value keeps the data that two successive windows of frames share. Each step between frames is computed once.
 ///
 /// ```
 /// use sinew_core::{Body, ForwardDifferences, Inertia, JointKind, JointTargets, StateInputError};
@@ -50,7 +50,7 @@ pub struct ForwardDifferences<const N: usize> {
     joints: [Remembered; N],
 }
 
-/// What is left of the two newest frames for the next windows.
+/// The data of the two newest frames that the next windows need.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Remembered {
     /// Pose of the joint at the older of them.
@@ -73,17 +73,17 @@ impl Remembered {
 }
 
 impl<const N: usize> ForwardDifferences<N> {
-    /// At rest in no particular pose: begin with [`Self::restart`].
+    /// Creates an empty value. Call [`Self::restart`] first.
     pub const fn new() -> Self {
         Self { rate_hz: 0.0, joints: [Remembered::NOTHING; N] }
     }
 
-    /// Begins with a frame of those that are `dt_s` seconds apart, as if the performance had stood there until now.
+    /// Starts with a frame, as if the performance had stood still in it until now. `dt_s`: time between frames, s.
     /// O(n).
     ///
     /// # Errors
-    /// [`StateInputError`], and nothing is changed, if the time step is not a positive number (from 1e-9 s), or the
-    /// frame has fewer poses than the tree has joints or one that is not finite or unit.
+    /// [`StateInputError`], and nothing changes, if the time step is not a positive number (at least 1e-9 s), the
+    /// frame has fewer poses than the tree has joints, or a pose is not finite or unit.
     pub fn restart(
         &mut self,
         tree: &Tree<N>,
@@ -102,10 +102,10 @@ impl<const N: usize> ForwardDifferences<N> {
         Ok(())
     }
 
-    /// Takes the next frame where there are no two before it yet: it tells no targets. O(n).
+    /// Accepts the next frame while there are not yet two earlier frames: it gives no targets. O(n).
     ///
     /// # Errors
-    /// As [`Self::advance`].
+    /// As in [`Self::advance`].
     pub(crate) fn lead(
         &mut self,
         tree: &Tree<N>,
@@ -123,11 +123,11 @@ impl<const N: usize> ForwardDifferences<N> {
         Ok(())
     }
 
-    /// Takes the next frame, and gives the targets of the frame two before it. O(n).
+    /// Accepts the next frame, and writes the targets of the frame two before it. O(n).
     ///
     /// # Errors
-    /// [`StateInputError`], and nothing is changed, if the frame has fewer poses than the tree has joints or one that
-    /// is not finite or unit, if the targets are for fewer joints, or nothing has begun with [`Self::restart`].
+    /// [`StateInputError`], and nothing changes, if the frame has fewer poses than the tree has joints, a pose is not
+    /// finite or unit, the targets are for fewer joints, or [`Self::restart`] was not called.
     pub fn advance(
         &mut self,
         tree: &Tree<N>,
@@ -144,7 +144,7 @@ impl<const N: usize> ForwardDifferences<N> {
         }
         let (states, accelerations, bodies) = out.whole(tree);
         for (index, (body, state)) in tree.bodies().iter().zip(states.iter_mut()).enumerate() {
-            // The parent's has moved on to the newer frame already.
+            // The parent has already advanced to the newer frame.
             let parent_after = of_parent(body, &self.joints, &Remembered::NOTHING).body;
             let Some(joint) = self.joints.get_mut(index) else { break };
             let after = parent_after * joint.newer;
@@ -163,7 +163,7 @@ impl<const N: usize> ForwardDifferences<N> {
             let Some(slot) = bodies.get_mut(index) else { break };
             *slot = of_body;
         }
-        // Apart: all at once are more than there are registers for.
+        // A separate loop: a single one would need more registers than there are.
         for (((body, newest), joint), acceleration) in
             tree.bodies().iter().zip(frame).zip(&mut self.joints).zip(accelerations)
         {
@@ -183,8 +183,8 @@ impl<const N: usize> ForwardDifferences<N> {
         Ok(())
     }
 
-    /// The last step of each joint: room for another way of differencing, as long as this one is not used. A restart
-    /// does not ask what they are.
+    /// Returns the last step of each joint. Another difference method may use them as storage while this one is
+    /// unused. A restart overwrites them.
     pub(crate) fn steps_mut(&mut self) -> impl Iterator<Item = &mut Twist> {
         self.joints.iter_mut().map(|joint| &mut joint.step)
     }
@@ -248,11 +248,11 @@ mod tests {
         for (state, (now, next)) in states.iter().zip(now.iter().zip(&next)) {
             let angular = math::log(next.rotation * now.rotation.conjugate()) / h;
             let linear = (next.translation_m - now.translation_m) / h;
-            // f32 rounding of a quaternion and of a position of some 0.5 m, over h, a few times.
+            // Tolerance: a few times the f32 rounding of a quaternion and of a position of about 0.5 m, divided by h.
             assert!((state.velocity.angular - angular).length() < 1e-4);
             assert!((state.velocity.linear - linear).length() < 1e-4);
         }
-        // Differences of the joints' poses compose to something else: the reason for this function.
+        // Differences of the joints' poses compose to another velocity: the reason for this type.
         forward_targets(window, h, &mut targets).unwrap();
         kinematics::body_states(tree.bodies(), targets.states(), &mut states);
         let angular = math::log(next[2].rotation * now[2].rotation.conjugate()) / h;
