@@ -53,13 +53,13 @@ pub struct ForwardDifferences<const N: usize> {
 /// The data of the two newest frames that the next windows need.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Remembered {
-    /// Pose of the joint at the older of them.
+    /// Pose of the joint in the older frame.
     older: Transform,
-    /// At the newer.
+    /// Pose of the joint in the newer frame.
     newer: Transform,
-    /// Mean velocity of the joint from the older to the newer.
+    /// Mean velocity of the joint from the older frame to the newer.
     step: Twist,
-    /// World pose of the body at the older.
+    /// World pose of the body in the older frame.
     body: Transform,
 }
 
