@@ -138,8 +138,8 @@ impl<const N: usize> JointTargets<N> {
         self.known = Known::Nothing;
     }
 
-    /// All targets as slices, to be set as a whole: states, accelerations, and the world states that follow from them
-    /// in a tree, which count as known from here on. Finite, and with unit rotations.
+    /// Returns all targets as slices, for code that sets every item: states, accelerations, and world states of the
+    /// bodies. The world states then count as valid. Values must be finite and rotations unit.
     pub(crate) fn whole(
         &mut self,
         tree: &Tree<N>,

@@ -408,7 +408,7 @@ pub enum ProjectionError {
     },
     /// The desired pose of a joint is not finite, or its rotation not a unit quaternion.
     InvalidPose {
-        /// The joint.
+        /// Index of the joint.
         joint: usize,
     },
 }
