@@ -25,7 +25,7 @@ pub struct Transform {
     /// Unit rotation from the inner to the outer frame.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::unit_rotation"))]
     pub rotation: Quat,
-    /// Origin of the inner frame in the outer one, in metres.
+    /// Origin of the inner frame in the outer frame, m.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub translation_m: Vec3,
 }

@@ -42,10 +42,10 @@ pub(super) struct Desired<const N: usize> {
     projected: ProjectionWorkspace<N>,
     /// Stores frames itself. When velocities are those of bodies, it is used instead of `window`.
     of_bodies: ForwardDifferences<N>,
-    /// Whether the steps in `of_bodies` are those that the next three frames begin with, for aligned differences: they
-    /// are not used beside those of bodies, and boards have no RAM for both.
+    /// Whether the steps in `of_bodies` belong to the next three frames, for aligned differences. The storage is
+    /// shared, because bodies' and aligned differences are never used together, and boards lack the RAM for both.
     steps_known: bool,
-    /// The joints' poses in the last three frames, from the slot `oldest` on.
+    /// Poses of the joints in the last three frames, oldest in slot `oldest`.
     window: [[Transform; N]; 3],
     oldest: usize,
     /// Kind of the source's frames; `None` before the start.

@@ -6,8 +6,8 @@ use crate::transform::Transform;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Frame<'a> {
-    /// Poses of all joints, each in its parent's frame, in metres. The dimensions may be those of another figure: a
-    /// projection finds the rig's own pose. Velocities and accelerations are differences of frames.
+    /// Poses of all joints, each in its parent's frame, in metres. The dimensions may be those of another figure; a
+    /// projection then finds the rig's own pose. Velocities and accelerations are differences of frames.
     Poses(&'a [Transform]),
     /// The rig's own coordinates with their exact derivatives, as defined in [`coordinates`](crate::coordinates).
     /// They need neither projection nor differences, and are not limited to the joints' ranges.

@@ -17,10 +17,11 @@ const GLIDES_RAD_S: f32 = 0.2;
 /// Time in which a zone opens, s.
 const OPENS_S: f32 = 0.1;
 const CLOSES_S: f32 = 0.02;
-/// A joint is near its target within so many radii of its zone. It swings through the play of a gear by less, also
-/// where that has twice the play that its model says; half of a joint's spare torque pushes it farther.
+/// Radius, in units of the zone's radius, within which a joint is near its target. Swinging through the play of a
+/// gear stays below it, even with twice the modelled play; half of a joint's spare torque pushes it farther.
 const NEAR: f32 = 4.0;
-/// A joint stands when it has been near for so long, s: until then one that was pushed comes back as fast as any.
+/// Time for which a joint must be near its target before it stands, s. Until then, a pushed joint returns at full
+/// speed.
 const SETTLES_S: f32 = 0.3;
 /// Radius, in units of the zone's radius, within which a standing joint learns nothing. Farther off, its model error
 /// is larger than gear and friction can hide.
