@@ -75,7 +75,7 @@ fn keep(poses: &mut Vec<TimedPose>, tick: u32, first: u8, q: &[f32]) {
     }
 }
 
-/// Stores items of a list from `first` on. The first part of a list keeps the items after it.
+/// Replaces items of a list from `first` on, and keeps the items after them.
 fn put<T: Clone>(list: &mut Vec<T>, first: u8, items: &[T]) {
     let first = usize::from(first);
     // After a lost part, the older items stay in their places.

@@ -43,7 +43,7 @@ pub(crate) fn crc32(body: &[u8]) -> [u8; CRC_LEN] {
 
 /// A message of one direction: [`ToController`] or [`ToHost`].
 pub trait Message: Serialize + DeserializeOwned + sealed::Sealed {
-    /// The first byte of a body. A line that echoes brings back what was sent; no one takes it for the other's.
+    /// First byte of a body. On a line that echoes, an end recognizes its own messages by this byte.
     const DIRECTION: u8;
 }
 
