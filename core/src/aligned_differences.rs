@@ -71,10 +71,10 @@ mod tests {
         let frames = [0.0, 0.1, 0.2, 0.3, 0.4, 0.9, 1.1, 1.3].map(frame);
         let mut steps = [Twist::ZERO; 2];
         let (mut expected, mut found) = (JointTargets::rest(&tree), JointTargets::rest(&tree));
-        // Three windows that go on from each other, and after a jump two more.
+        // Three successive windows, then a jump and two more.
         for (at, first) in [0, 1, 2, 4, 5].into_iter().enumerate() {
             let window = [0, 1, 2].map(|k| &frames[first + k][..]);
-            // The first, and after a jump.
+            // At the start, and after a jump.
             if at == 0 || at == 3 {
                 begin(window, 0.1, steps.iter_mut()).unwrap();
             }
@@ -82,7 +82,7 @@ mod tests {
             advance(window, 0.1, steps.iter_mut(), &mut found).unwrap();
             assert_eq!(found, expected);
         }
-        // Otherwise the first step would be that of the frames before.
+        // Without `begin` after a jump, the first step would be that of the earlier frames.
         let jumped = [0, 1, 2].map(|k| &frames[k][..]);
         advance(jumped, 0.1, steps.iter_mut(), &mut found).unwrap();
         aligned_targets(jumped, 0.1, &mut expected).unwrap();

@@ -52,7 +52,7 @@ impl BodySet {
 
     /// Returns the number of members.
     pub fn len(self) -> usize {
-        // At most the capacity.
+        // The sum is at most the capacity: it cannot overflow.
         self.0.iter().map(|word| word.count_ones() as usize).sum()
     }
 

@@ -31,7 +31,7 @@ pub struct BodyWeight {
 }
 
 impl BodyWeight {
-    /// Creates a weight from a position weight and a lever for rotations, m.
+    /// Creates a weight from a position weight and a rotation weight, m.
     pub const fn new(position: f32, rotation_m: f32) -> Self {
         Self { position, rotation_m }
     }

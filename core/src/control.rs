@@ -70,9 +70,8 @@ impl Gains {
     /// Returns the gains of stable PD in implicit form, for a controller that acts every `dt_s` seconds and holds its
     /// command.
     ///
-    /// Implicit gains act on the state one period ahead, which depends on the commanded acceleration itself: `a = kp
-    /// (e + dt ė
-    /// - dt² a) + kd (ė - dt a)` is solved for a. For inverse dynamics, or gains per unit of inertia.
+    /// Implicit gains act on the state one period ahead, which depends on the commanded acceleration itself. They
+    /// solve `a = kp (e + dt ė - dt² a) + kd (ė - dt a)` for a. For inverse dynamics, or gains per unit of inertia.
     ///
     /// Each step is a step of the backward Euler method: the error of a joint decays for all gains and periods. With
     /// the original gains it grows once `kd dt_s` exceeds about 2. The price is that stiff gains become softer. Gains

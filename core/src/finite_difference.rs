@@ -94,8 +94,8 @@ pub fn of_rotations(
     rotations(scheme, order, samples, dt_s, |from, to| from.conjugate() * to)
 }
 
-/// Returns the derivative like [`of_rotations`], as components in world axes: the differences of `Log(R_k+1 R_kᵀ) /
-/// dt`.
+/// Returns the derivative like [`of_rotations`], as components in world axes: the differences of
+/// `Log(R_k+1 R_kᵀ) / dt`.
 ///
 /// # Errors
 /// As in [`of_rotations`].
@@ -268,7 +268,7 @@ mod tests {
                 }
                 let factorial = (1..=order).fold(1.0, |p, k| p * as_f32(k));
                 let got = of_vectors(scheme, order, &samples[..count], 1.0).unwrap();
-                // Whole numbers below 2^24: exact.
+                // Whole numbers below 2^24 are exact in f32.
                 assert_eq!(got, Vec3::new(1.0, -2.0, 0.5) * factorial, "{scheme:?} {order}");
             }
         }
@@ -282,7 +282,7 @@ mod tests {
         let samples: [Quat; 4] = core::array::from_fn(|k| start * math::exp(w * (as_f32(k) * h)));
         for scheme in [Scheme::Forward, Scheme::Backward, Scheme::Central] {
             let v = of_rotations(scheme, 1, &samples[..scheme.sample_count(1)], h).unwrap();
-            // One f32 rounding of a unit quaternion (6e-8) over h, a few times.
+            // Tolerance: a few times the f32 rounding of a unit quaternion (6e-8), divided by h.
             assert!((v - w).length() < 5e-5, "{scheme:?} {v}");
             let in_world =
                 of_rotations_in_world(scheme, 1, &samples[..scheme.sample_count(1)], h).unwrap();

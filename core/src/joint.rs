@@ -33,13 +33,13 @@ pub enum JointKind {
     Fixed,
     /// 1 dof: rotation about an axis, the same in the joint and the body frame.
     Revolute {
-        /// Unit axis.
+        /// Axis of rotation, a unit vector.
         #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::unit_axis"))]
         axis: Vec3,
     },
     /// 1 dof: displacement along an axis, the same in the joint and the body frame.
     Prismatic {
-        /// Unit axis.
+        /// Axis of displacement, a unit vector.
         #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::unit_axis"))]
         axis: Vec3,
     },

@@ -5,7 +5,7 @@
 
 use glam::{Quat, Vec3};
 
-/// π.
+/// The number π.
 pub const PI: f32 = core::f32::consts::PI;
 
 /// Returns the square root, correctly rounded.

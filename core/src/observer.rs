@@ -77,11 +77,11 @@ impl ObserverSettings {
 
     /// Returns settings of an extended state observer with this bandwidth (Han, "From PID to Active Disturbance
     /// Rejection Control", 2009; one bandwidth for all poles, Gao 2003). Acceleration that the commands do not
-    /// explain is estimated as a disturbance. The effect of wrong masses, friction and loads is learnt in about `3 /
-    /// bandwidth`; noise above the bandwidth is filtered out.
+    /// explain is estimated as a disturbance. The effect of wrong masses, friction and loads is learnt in about
+    /// `3 / bandwidth`; noise above the bandwidth is filtered out.
     ///
-    /// All three poles of the estimation error are at `β = exp(-bandwidth dt)`. For the step `v += dt (a + d), x +=
-    /// dt v`, the gains are `1 - β³`, `(1 - β)² (1 + 2β) / dt` and `(1 - β)³ / dt²`.
+    /// All three poles of the estimation error are at `β = exp(-bandwidth dt)`. For the step
+    /// `v += dt (a + d), x += dt v`, the gains are `1 - β³`, `(1 - β)² (1 + 2β) / dt` and `(1 - β)³ / dt²`.
     ///
     /// # Errors
     /// [`ObserverError`] if the time step is not a positive number, the reciprocal of its square is too large for

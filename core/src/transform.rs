@@ -183,7 +183,7 @@ pub struct Wrench {
 }
 
 impl Wrench {
-    /// No force, no moment.
+    /// Zero force and moment.
     pub const ZERO: Self = Self { moment_nm: Vec3::ZERO, force_n: Vec3::ZERO };
 
     /// Creates a wrench from its parts.

@@ -343,7 +343,7 @@ fn for_each_state(
     }
 }
 
-/// Writes positions and speeds of states.
+/// Writes the positions and speeds of joint states.
 fn write_state<const N: usize>(
     tree: &Tree<N>,
     joints: &[JointState],

@@ -1,4 +1,4 @@
-//! The articulated-body algorithm.
+//! The articulated-body algorithm: forward dynamics.
 
 use glam::{Mat3, Quat, Vec3};
 
@@ -270,9 +270,9 @@ impl ArticulatedBody {
 
     /// Lets all rotations yield like [`Self::turn_any_way`], against a rotor r as well.
     ///
-    /// A carried angular acceleration α makes the joint yield by `(I + r)⁻¹ I α`. The joint holds the rest, `r (I +
-    /// r)⁻¹ α`, and the body resists with that share of its inertia. Never inlined, since most joints have no rotor
-    /// and would lose registers.
+    /// A carried angular acceleration α makes the joint yield by `(I + r)⁻¹ I α`. The joint holds the rest,
+    /// `r (I + r)⁻¹ α`, and the body resists with that share of its inertia. Never inlined, since most joints have no
+    /// rotor and would lose registers.
     #[inline(never)]
     fn turn_any_way_with_rotor(&mut self, drive: &Wrench, rotor: f32) -> Ball {
         let ArticulatedInertia { angular, coupling, .. } = self.inertia;

@@ -1,4 +1,4 @@
-//! The composite-rigid-body algorithm.
+//! The composite-rigid-body algorithm: the mass matrix.
 
 use core::hint::black_box;
 
@@ -187,7 +187,7 @@ pub fn mass_matrix(
     size
 }
 
-/// The matrix, row by row.
+/// The mass matrix, row by row.
 struct Square<'a> {
     elements: &'a mut [f32],
     size: usize,

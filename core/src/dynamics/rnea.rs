@@ -1,4 +1,4 @@
-//! The recursive Newton-Euler algorithm.
+//! The recursive Newton-Euler algorithm: inverse dynamics.
 
 use glam::{Mat3, Vec3};
 

@@ -183,7 +183,7 @@ impl core::error::Error for VertexError {}
 mod tests {
     use super::*;
 
-    /// The root's part is small enough; the elbow's is not.
+    /// The root's part fits in f32; the elbow's does not.
     #[test]
     fn a_vertex_too_far_from_one_joint_is_not_added_to_others() {
         let positions_m = [Vec3::ZERO, Vec3::X * 1e19];

@@ -153,7 +153,7 @@ mod tests {
 
     #[test]
     fn the_generator_makes_the_numbers_of_its_demonstration() {
-        // pcg32-demo of the authors' C library, seed 42, stream 54.
+        // Output of pcg32-demo in the authors' C library, seed 42, stream 54.
         let mut samples = SurfaceSamples::new(42);
         let published = [0xa15c_02b7, 0x7b47_f409, 0xba1d_3330, 0x83d2_f293, 0xbfa4_784b];
         assert_eq!(published.map(|_| samples.next_u32()), published);

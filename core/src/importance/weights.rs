@@ -1,4 +1,4 @@
-//! Weights of joints while they are summed.
+//! Sums from which the weights of joints are made.
 
 use heapless::Vec;
 

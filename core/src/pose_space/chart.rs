@@ -161,8 +161,8 @@ pub(super) fn gradient(body: &Body, at: &JointCoordinates, of_motion: &Twist) ->
     JointCoordinates { angular_rad, linear_m: math::rotate(turn, of_motion.linear) }
 }
 
-/// Returns the derivative of the exponential map: the body-axes rotation per change of a rotation vector, `I - (1 -
-/// cos φ)/φ² [v] + (φ - sin φ)/φ³ [v]²`.
+/// Returns the derivative of the exponential map: the body-axes rotation per change of a rotation vector,
+/// `I - (1 - cos φ)/φ² [v] + (φ - sin φ)/φ³ [v]²`.
 fn right_jacobian(vector_rad: Vec3) -> Mat3 {
     let squared = vector_rad.dot(vector_rad);
     let (of_cross, of_square) = if squared < 0.06 {

@@ -77,9 +77,9 @@ impl<const N: usize> PoseSpace<'_, N> {
         )
     }
 
-    /// Returns the distance in space: the root of the sum of the squared distances (m) of all joints, `|F(a) -
-    /// F(b)|`. It ignores that bones keep their lengths, and is therefore a lower bound of every path between the
-    /// poses. O(n).
+    /// Returns the distance in space: the root of the sum of the squared distances (m) of all joints,
+    /// `|F(a) - F(b)|`. It ignores that bones keep their lengths, and is therefore a lower bound of every path
+    /// between the poses. O(n).
     pub fn position_distance(&self, a: &BodyPoses<N>, b: &BodyPoses<N>) -> f32 {
         let ways = self.weighted().zip(a.positions_m().zip(b.positions_m()));
         math::sqrt(ways.map(|((_, weight), (a, b))| weight * (a - b).dot(a - b)).sum())

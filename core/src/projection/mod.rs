@@ -20,8 +20,8 @@ use crate::math;
 use crate::transform::{Transform, Twist, Wrench};
 use crate::tree::{Body, Tree};
 
-/// Finds the pose of a figure that is nearest to the desired pose of another figure: the pose that minimises `Σ wᵢ
-/// |pᵢ - p_d,i|² + ρᵢ² |Log(Rᵢ R_d,iᵀ)|²` within the joints' ranges.
+/// Finds the pose of a figure that is nearest to the desired pose of another figure. It is the pose within the joints'
+/// ranges that minimises `Σ wᵢ |pᵢ - p_d,i|² + ρᵢ² |Log(Rᵢ R_d,iᵀ)|²`.
 ///
 /// When the rig and the performer differ in dimensions, tracking this pose with World Space Error gives up a little
 /// angle accuracy for much better positions. With equal dimensions the result is the desired pose.
@@ -361,7 +361,7 @@ impl Solved {
         };
     }
 
-    /// Adds the pull of a child at the end of an arm.
+    /// Adds the pull of a child whose origin is `arm_m` away.
     #[inline]
     fn carry(&mut self, pull: Vec3, arm_m: Vec3) {
         // A rotation moves the arm's end away from its tangent, against an outward pull. Gauss-Newton omits this

@@ -1,4 +1,4 @@
-//! Local Space Error.
+//! Local Space Error: the error of each joint relative to its parent.
 
 use super::StateError;
 use crate::state::{BodyState, JointState};

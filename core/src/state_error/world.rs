@@ -1,4 +1,4 @@
-//! World Space Error.
+//! World Space Error: the error of each body in the world.
 
 use super::StateError;
 use crate::state::BodyState;

@@ -107,8 +107,8 @@ impl<const N: usize, const D: usize> Tracker<N, D> {
     /// Creates a tracker of a rig, for all methods except resolved acceleration. O(n).
     ///
     /// # Errors
-    /// [`TrackerError`] if a setting or the timing is invalid, or invalid for this rig, or the latency exceeds `D` -
-    /// 1.
+    /// [`TrackerError`] if a setting or the timing is invalid, or invalid for this rig, or the latency is more than
+    /// `D - 1`.
     pub fn new(tree: Tree<N>, settings: &Settings, timing: Timing) -> Result<Self, TrackerError> {
         Self::with_workspace(tree, settings, timing, Workspace::new())
     }
@@ -371,8 +371,8 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         Ok(Tick { tracker: self })
     }
 
-    /// Records that a dof swings: the next measurement is observed with this share of its joint's own bandwidth, 0 to
-    /// 1. O(n).
+    /// Records that a dof swings: the next measurement is observed with this share, 0 to 1, of its joint's own
+    /// bandwidth. O(n).
     ///
     /// The observer is part of the loop that sustains a swing through a soft gear. Less feedback alone would not stop
     /// it.

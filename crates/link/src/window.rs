@@ -17,7 +17,7 @@ pub struct Window {
 pub enum Order {
     /// Newer than all others.
     Fresh {
-        /// How many numbers between the previous newest and this number have not arrived yet.
+        /// Count of the numbers between the previous newest and this one that have not arrived yet.
         missing: u16,
     },
     /// Older than the newest, arriving for the first time.

@@ -58,7 +58,7 @@ pub enum RateTerm {
 )]
 #[non_exhaustive]
 pub enum AimStatus {
-    /// A leaf: World Space Error.
+    /// The body is a leaf: World Space Error is used.
     #[default]
     Leaf,
     /// A body with a compensating rotation.

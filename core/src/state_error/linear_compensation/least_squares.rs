@@ -150,9 +150,9 @@ impl Spread {
     /// of the curvature overflows f32.
     ///
     /// Φ maximises `tr(Φᵀ B)`, `B = Σ (a + e) aᵀ`. A rotation about a unit axis n through an angle θ increases it by
-    /// `sin θ g·n - (1 - cos θ) n·H n`, with the slope `g = Σ (Φ a) × (a + e)` and the curvature `H = tr(B Φᵀ) 1 -
-    /// sym(B Φᵀ)`. Each step therefore takes the axis of Newton's method, and the exactly best angle about it. The
-    /// value never decreases, and there is no second maximum to end at.
+    /// `sin θ g·n - (1 - cos θ) n·H n`, with the slope `g = Σ (Φ a) × (a + e)` and the curvature
+    /// `H = tr(B Φᵀ) 1 - sym(B Φᵀ)`. Each step therefore takes the axis of Newton's method, and the exactly best
+    /// angle about it. The value never decreases, and there is no second maximum to end at.
     fn best_turn(&self, shift: Vec3) -> Result<Quat, AimStatus> {
         let scale = self.scale(shift);
         if !(scale * scale).is_finite() {
@@ -193,8 +193,8 @@ impl Spread {
         Ok(turn)
     }
 
-    /// Returns the rate of the best rotation for a small linear error: there `M φ = Σ a × e`, with the curvature `M =
-    /// Σ (|a|² 1 - a aᵀ)` at the identity.
+    /// Returns the rate of the best rotation for a small linear error: there `M φ = Σ a × e`, with the curvature
+    /// `M = Σ (|a|² 1 - a aᵀ)` at the identity.
     fn turn_rate(&self, shift_rate: Vec3) -> Vec3 {
         let squares = trace(self.second_moment);
         let curvature = Mat3::from_diagonal(Vec3::splat(squares)) - self.second_moment;

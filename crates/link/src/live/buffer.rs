@@ -243,7 +243,7 @@ impl<const N: usize, const FRAMES: usize> LiveBuffer<N, FRAMES> {
         least.map_or(0, |(place, _)| place)
     }
 
-    /// Moves the target.
+    /// Moves the target towards the pose that is due, and returns its source, and whether a speed limit applied.
     fn follow(&mut self, now: i64) -> (Following, bool) {
         let nothing = if self.stale { Following::Stale } else { Following::Waiting };
         let Some(timeline) = &mut self.timeline else { return (nothing, false) };

@@ -26,7 +26,7 @@ pub struct Telemetry {
 /// A part of a snapshot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum SnapshotPart {
-    /// The whole rig.
+    /// State of the whole rig.
     Summary(Summary),
     /// The measured pose.
     Pose {

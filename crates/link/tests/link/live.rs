@@ -128,7 +128,7 @@ fn jitter_and_loss_do_not_show() {
              longest gap {} us",
             run.worst, run.held, run.ticks, run.stale, run.longest_us
         );
-        // Below the time-out there is no fault.
+        // Gaps below the time-out cause no stale source.
         assert!(run.longest_us < 200_000 && run.stale == 0);
         // Without jitter: the error of the chord between two frames, 2.8 rad/s² (1/60 s)² / 8. With jitter, the bound
         // of the clock is off by some ms, at 1.5 rad/s, and a chord may span three frames.

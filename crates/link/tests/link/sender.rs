@@ -32,7 +32,7 @@ fn after(command: Command, works_ms: u32, starts_ms: u32) -> (Option<Outcome>, u
 #[test]
 fn work_that_never_ends_is_given_up() {
     let done = Some(Outcome::Applied(Applied::Done));
-    // The same when the clock wraps to 0.
+    // Also when the clock wraps to 0.
     for starts_ms in [0, u32::MAX - 30_000] {
         assert_eq!(after(Command::EndUpload, 0, starts_ms), (done.clone(), 0));
         assert_eq!(after(Command::EndUpload, 59_000, starts_ms), (done.clone(), 59_000));
