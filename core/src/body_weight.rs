@@ -163,7 +163,7 @@ impl<const N: usize> BodyWeights<N> {
     }
 }
 
-/// An error in weights.
+/// An error in the weights of bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]

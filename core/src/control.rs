@@ -147,7 +147,7 @@ fn check(gains: [(&'static str, f32); 2]) -> Result<(), GainsError> {
     Ok(())
 }
 
-/// An error in gains.
+/// An error in the gains of a controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]

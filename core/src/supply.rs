@@ -161,9 +161,10 @@ impl<const N: usize> TorqueSupply<N> {
     /// factor, whatever the weights: `τ = τ_bias + s (τ_wanted - τ_bias)`.
     ///
     /// Wrenches that do not draw from the supply (of a free root, and forces) get the same factor, so every joint
-    /// gets the same share of its commanded acceleration. The sum of torques is convex in s. The factor at which the
-    /// straight line between its ends reaches the supply therefore never exceeds it, needs no search, and leaves a
-    /// little of the supply unused. If the bias wrenches alone exceed the supply, all torques are reduced like in
+    /// gets the same share of its commanded acceleration. The sum of torques is convex in s. The function takes the s
+    /// at which the straight line from the sum at s = 0 to the sum at s = 1 reaches the supply. The true sum is never
+    /// above this line: the supply is not exceeded, no search is needed, and a little of the supply stays unused. If
+    /// the bias wrenches alone exceed the supply, all torques are reduced like in
     /// [`Self::share`].
     ///
     /// Bias wrenches that are missing or not finite count as zero.

@@ -109,7 +109,7 @@ impl<const N: usize> MeshSurface<N> {
     }
 }
 
-/// An error in a vertex.
+/// An error in a vertex of a skinned mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]

@@ -74,7 +74,7 @@ impl fmt::Display for InputError {
 
 impl core::error::Error for InputError {}
 
-/// A reason for which a tick has no torques.
+/// An error for which a tick has no torques.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]

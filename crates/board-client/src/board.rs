@@ -410,7 +410,7 @@ impl<L: Line> Board<L> {
     }
 }
 
-/// Returns `true` if the rig may be moving in this state, or may be powered.
+/// Returns `true` unless the rig is off, limp or faulted.
 fn is_driven(state: State) -> bool {
     !matches!(state, State::Off | State::Limp | State::Faulted)
 }

@@ -62,7 +62,7 @@ pub enum ClientError {
         .0.as_secs_f64()
     )]
     Deaf(Duration),
-    /// The session is over.
+    /// The board has restarted, or another program has the rig.
     #[error("the session is over: the board has started anew, or another program has it now")]
     SessionOver,
     /// The firmware is too old for a function.

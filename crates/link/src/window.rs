@@ -15,16 +15,16 @@ pub struct Window {
 /// The position of a number relative to earlier arrivals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Order {
-    /// Newer than all others.
+    /// A number newer than all others.
     Fresh {
         /// Count of the numbers between the previous newest and this one that have not arrived yet.
         missing: u16,
     },
-    /// Older than the newest, arriving for the first time.
+    /// A number older than the newest, which arrives for the first time.
     Late,
-    /// Arrived before.
+    /// A number that has arrived before.
     Duplicate,
-    /// Too old to know whether it arrived.
+    /// A number so old that an earlier arrival is unknown.
     Old,
 }
 

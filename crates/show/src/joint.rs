@@ -5,17 +5,17 @@ use sinew_core::JointKind;
 /// Kind of a joint, without its axes: all that a show needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Joint {
-    /// No dof.
+    /// A joint without dofs.
     Fixed,
-    /// An angle, rad.
+    /// A joint with an angle, rad.
     Revolute,
-    /// A displacement, m.
+    /// A joint with a displacement, m.
     Prismatic,
-    /// Two angles, rad.
+    /// A joint with two angles, rad.
     Universal,
-    /// A rotation.
+    /// A joint with any rotation.
     Spherical,
-    /// A rotation and a position, m.
+    /// A joint with any rotation and position, m.
     Free,
 }
 

@@ -39,7 +39,7 @@ impl<'a, const COORDS: usize> Player<'a, COORDS> {
     /// out.
     ///
     /// After its end, a looped show starts its next round; any other show stays at its last pose, with the speed it
-    /// has there. The same position always gives the same bits, whatever was requested before. From tick to tick
+    /// has there. A given position always gives the same bits, whatever was requested before. From tick to tick
     /// O(channels); a jump to another position costs O(block).
     ///
     /// # Errors

@@ -24,7 +24,7 @@ pub(crate) const CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 pub struct Show<'a> {
     bytes: &'a [u8],
     header: Header,
-    /// Tables of the head.
+    /// Tables of the head: kinds of joints, channels, cues, course, index of blocks.
     pub(crate) joints: &'a [u8],
     channels: &'a [u8],
     cues: &'a [u8],

@@ -1,4 +1,4 @@
-//! The permission to erase.
+//! The permission to erase flash.
 
 /// Proof that no drive may move. Every function that erases takes `&Disarmed`.
 ///

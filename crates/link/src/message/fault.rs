@@ -28,7 +28,7 @@ impl FaultRecord {
     }
 }
 
-/// A record of the log of faults.
+/// A record of the log of faults, with the number of records in the log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FaultReport {
     /// Number of records in the log.

@@ -117,7 +117,7 @@ fn moving_angles((clip, joints): &(Clip, Vec<usize>)) -> Vec<Vec<f64>> {
             let q = mean.conjugate() * frame[joint].rotation;
             let q = if q.w < 0.0 { -q } else { q };
             let mut vector = q.to_scaled_axis();
-            // The same rotation, in the form nearest to the last one.
+            // This rotation in the form that is nearest to the last one.
             let turn = vector.normalize_or_zero() * TAU;
             if (vector - turn).distance(last) < vector.distance(last) {
                 vector -= turn;

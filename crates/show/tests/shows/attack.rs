@@ -245,7 +245,7 @@ fn the_time_code_of_a_slowed_show_follows_its_performance() {
     for course in [&[(0, 0)][..], &[(20, 20), (20, 30)], &[(20, 20), (30, 10)], &[(1 << 31, 0)]] {
         let motion = Motion { course, ..motion };
         assert!(write(&motion, &Settings::default()).is_err(), "{course:?}");
-        // The same, read by a board.
+        // Also as a board reads it.
         let mut bytes = bytes.clone();
         let at = usize::from(u16::from_le_bytes([bytes[40], bytes[41]])) + 56 + 1 + 16;
         let pairs: Vec<u8> = course
