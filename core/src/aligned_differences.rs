@@ -29,7 +29,7 @@ pub(crate) fn advance<'s, const N: usize>(
 
 /// Computes the steps from the first frame to the middle frame, for a window that does not follow from the one
 /// before.
-// Not within its caller, which takes them once.
+// Never inlined: only needed at the start and after jumps.
 #[inline(never)]
 pub(crate) fn begin<'s>(
     [before, now, _]: [&[Transform]; 3],

@@ -23,7 +23,7 @@ pub const WIDEST_RAD_S: f32 = 150.0;
 /// let held = Bandwidth::of_gear(29.7, 0.00181, 0.002)?;
 /// assert_eq!(held.reason, BandwidthReason::Gear);
 /// assert!((held.rad_s - 38.4).abs() < 0.1);
-/// // A load as light as the rotor swings faster.
+/// // With a load as light as the rotor, the resonance is higher.
 /// let light = Bandwidth::of_loaded_gear(29.7, 0.00181, 0.00181, 0.002)?;
 /// assert!((light.rad_s - 54.3).abs() < 0.1);
 /// # Ok::<(), sinew_core::bandwidth::BandwidthError>(())

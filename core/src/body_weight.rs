@@ -60,7 +60,7 @@ const LIGHTEST: f32 = 1e-6;
 /// #     rotor_inertia: 0.0,
 /// # };
 /// let tree = Tree::<2>::from_bodies(&[body(None), body(Some(0))])?;
-/// // Where the hand is counts more than how it is turned: 1 rad like 5 cm.
+/// // The hand's position counts more than its rotation: 1 rad costs as much as 5 cm.
 /// let weights = [BodyWeight::new(0.0, 1.0), BodyWeight::new(1.0, 0.05)];
 /// assert_eq!(BodyWeights::new(&tree, &weights)?.as_slice(), weights);
 /// let one = BodyWeights::new(&tree, &weights[..1]);
@@ -121,7 +121,7 @@ impl<const N: usize> BodyWeights<N> {
     /// let arm = Tree::<3>::from_bodies(&[body(None), body(Some(0)), body(Some(1))])?;
     /// let importance = descendants_length(&RestPose::of_tree(&arm)?, 0.1, 0.9)?;
     /// let weights = BodyWeights::by_importance(&arm, 0.5, &importance)?;
-    /// // The shoulder's, the elbow's, the hand's.
+    /// // Rotation weights of shoulder, elbow and hand.
     /// assert!(weights.as_slice().is_sorted_by(|outer, inner| outer.rotation_m > inner.rotation_m));
     /// let projection = ManifoldProjection::new(&arm, weights.as_slice())?;
     /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -85,7 +85,7 @@ impl Gains {
     ///
     /// ```
     /// use sinew_core::control::Gains;
-    /// // At 100 Hz, a damping that would turn the error round and triple it.
+    /// // At 100 Hz, this damping would reverse the sign of the error and triple it.
     /// let gains = Gains::new(0.0, 400.0)?.implicit(0.01)?;
     /// assert_eq!(gains.kd(), 80.0);
     /// # Ok::<(), sinew_core::control::GainsError>(())

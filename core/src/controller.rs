@@ -206,7 +206,7 @@ impl<const N: usize> TorqueController<N> {
     /// let torque = controller.tick(&mut targets, &measured, &[], &mut workspace)[0];
     /// assert_eq!(torque.value.moment_nm, Vec3::Z * 6.0);
     /// assert_eq!(torque.reason, Some(LimitReason::Torque));
-    /// // Without gravity nothing is asked for.
+    /// // Without gravity no torque is needed.
     /// let controller = controller.with_gravity(Vec3::ZERO)?;
     /// let torque = controller.tick(&mut targets, &measured, &[], &mut workspace)[0];
     /// assert_eq!((torque.value.moment_nm, torque.reason), (Vec3::ZERO, None));
@@ -248,7 +248,7 @@ impl<const N: usize> TorqueController<N> {
     /// # let arm = Body { parent: None, joint, placement: Transform::IDENTITY, inertia, rotor_inertia: 0.0 };
     /// let tree = Tree::<1>::from_bodies(&[arm])?;
     /// let inertias = reflected_inertia(&tree, &JointStates::rest(&tree), OuterJoints::Locked);
-    /// // What a servo does by itself: no model in the loop, but gains that fit what each joint moves.
+    /// // The law of a servo alone: no model in the loop, but gains that fit the inertia that each joint moves.
     /// let controller = TorqueController::new(tree, Gains::critically_damped(200.0)?, Method::Local)?
     ///     .with_inertia_scaled_pd(&inertias)?;
     /// assert_eq!(controller.law(), ControlLaw::ProportionalDerivative);

@@ -217,8 +217,7 @@ pub enum DifferenceError {
     InvalidSample,
     /// The time step is not a positive number.
     TimeStep,
-    /// Order 0 was asked for a rotation. An orientation is not a vector: rotations have differences of order 1 and
-    /// above.
+    /// The order is 0, but an orientation is not a vector: rotations have differences of order 1 and above.
     OrderZero,
     /// The result is too large for f32.
     Overflow,

@@ -10,9 +10,8 @@ use crate::state::{BodyState, JointState, StateInputError, checked_poses};
 use crate::transform::{Transform, Twist};
 use crate::tree::Tree;
 
-/// Computes targets of all joints at the first of three frames by forward differences (13), like
-/// [`forward_targets`](crate::trajectory::forward_targets), but takes the differences of the *bodies'* world poses
-/// for the velocities.
+/// A calculator of the targets of all joints at the first of three frames, by forward differences (13). Unlike
+/// [`forward_targets`](crate::trajectory::forward_targets), it takes velocities from the *bodies'* world poses.
 ///
 /// The world errors (4) and (10) compare these velocities. Velocities composed of differences of joint poses deviate
 /// from them: they miss `h/2 ω_parent × ω_joint` (and a similar term of the positions), since the parent turns during
@@ -35,7 +34,7 @@ use crate::tree::Tree;
 /// let mut targets = JointTargets::rest(&tree);
 /// let mut differences = ForwardDifferences::new();
 /// differences.restart(&tree, 1.0, &frames[0])?;
-/// // From the third frame on, the targets are those of the frame two before.
+/// // From the third frame on, each call gives the targets of two frames earlier.
 /// differences.advance(&tree, &frames[1], &mut targets)?;
 /// for (frame, speed) in [(2, 1.0), (3, 2.0)] {
 ///     differences.advance(&tree, &frames[frame], &mut targets)?;

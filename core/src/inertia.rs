@@ -11,7 +11,7 @@ use glam::Vec3;
 /// ```
 /// use sinew_core::{RotationalInertia, glam::Vec3};
 /// let drum = RotationalInertia::diagonal(0.1, 0.2, 0.1);
-/// // The moment that an angular acceleration of 3 rad/s² about y takes.
+/// // The moment for an angular acceleration of 3 rad/s² about y.
 /// assert_eq!(drum.mul_vec3(Vec3::Y * 3.0), Vec3::Y * 0.6);
 /// let tilted = RotationalInertia { xy: 0.02, ..drum };
 /// assert_eq!(tilted.mul_vec3(Vec3::X), Vec3::new(0.1, 0.02, 0.0));

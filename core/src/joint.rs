@@ -174,7 +174,7 @@ impl JointKind {
     ///
     /// ```
     /// use sinew_core::{JointKind, Twist, glam::{Quat, Vec3}};
-    /// // The inner axis turns at 2 rad/s, the outer one at 3 rad/s, which carries the inner one round in the body.
+    /// // First axis 2 rad/s, second axis 3 rad/s: the second rotates the first axis within the body.
     /// let wrist = JointKind::Universal { first: Vec3::X, second: Vec3::Y };
     /// let velocity = Twist::new(Vec3::new(2.0, 3.0, 0.0), Vec3::ZERO);
     /// let bias = wrist.bias_acceleration(Quat::IDENTITY, velocity);

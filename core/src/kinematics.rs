@@ -100,9 +100,9 @@ pub fn joint_states(bodies: &[Body], world: &[BodyState], out: &mut [JointState]
 /// kinematics::body_states(arm.bodies(), joints.as_slice(), &mut world);
 /// let mut accelerations = [Twist::ZERO; 2];
 /// kinematics::body_accelerations(arm.bodies(), &world, &[Twist::ZERO; 2], &mut accelerations);
-/// // At a steady turn the elbow is pulled inwards: (2 rad/s)² 0.5 m.
+/// // In a steady rotation, the elbow accelerates inwards: (2 rad/s)² 0.5 m.
 /// assert_eq!(accelerations[1].linear, Vec3::X * -2.0);
-/// // And back: no joint is accelerated.
+/// // The inverse: no joint accelerates.
 /// kinematics::joint_accelerations(arm.bodies(), &world, &mut accelerations);
 /// assert_eq!(accelerations, [Twist::ZERO; 2]);
 /// # Ok::<(), sinew_core::TreeError>(())

@@ -42,7 +42,7 @@
 //! };
 //! let arm = Tree::<2>::from_bodies(&[link(None, 0.0), link(Some(0), 0.3)])?;
 //!
-//! // 2. A performance of 100 frames a second, in which both joints swing.
+//! // 2. A performance of 100 frames per second, in which both joints swing.
 //! let frame = |k: u8| {
 //!     let swing = math::exp(Vec3::Z * 0.5 * (0.1 * f32::from(k)).sin());
 //!     [Transform::new(swing, Vec3::ZERO), Transform::new(swing, Vec3::X * 0.3)]
@@ -50,14 +50,14 @@
 //! let frames: Vec<Transform> = (0..100).flat_map(frame).collect();
 //! let performance = Trajectory::new(&frames, 2, 0.01)?;
 //!
-//! // 3 to 5.
+//! // 3. to 5. Track the performance.
 //! let controller = TorqueController::new(arm, Gains::critically_damped(200.0)?, Method::World)?;
 //! let mut targets = JointTargets::rest(controller.tree());
 //! let mut measured = JointStates::rest(controller.tree());
 //! let mut workspace = Workspace::new();
 //! for frame in 0..performance.len() {
 //!     performance.targets(frame, &mut targets)?;
-//!     // A rig sets here what its sensors measured. This one is where it should be.
+//!     // A real rig stores the readings of its sensors at this point. This rig has no error.
 //!     for (joint, state) in targets.states().iter().enumerate() {
 //!         measured.set(joint, *state)?;
 //!     }
@@ -81,7 +81,6 @@
 //!   reason.
 //! - Every elementary function goes through [`math`], and glam is used without SIMD, which makes the results of all
 //!   machines identical to the bit.
-//!   machines compute the same bits.
 //!
 //! # Features
 //! Both are off by default. Neither needs `std` or an allocator.

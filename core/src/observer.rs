@@ -26,9 +26,9 @@ const WHOLE: f32 = 255.0;
 ///
 /// ```
 /// use sinew_core::observer::{ObserverError, ObserverSettings};
-/// // At 100 ticks a second; at most 50 rad/s² are put down to a wrong model.
+/// // At 100 ticks per second; at most 50 rad/s² are attributed to a wrong model.
 /// let settings = ObserverSettings::extended_state(40.0, 0.01)?.with_disturbance_limits(50.0, 5.0)?;
-/// // No filter follows faster than once in a tick.
+/// // No filter can follow faster than once per tick.
 /// let too_fast = ObserverSettings::extended_state(200.0, 0.01);
 /// assert_eq!(too_fast, Err(ObserverError::Bandwidth { rad_s: 200.0 }));
 /// # Ok::<(), ObserverError>(())
@@ -128,7 +128,7 @@ impl ObserverSettings {
     }
 }
 
-/// Estimates the state of a rig from the poses of its joints and the accelerations commanded to it. Up to `D`
+/// An estimator of a rig's state, from the poses of its joints and the accelerations commanded to it. Up to `D`
 /// commands may be on their way to the drives (at least 1: the last command, without a delay).
 ///
 /// With inverse dynamics every joint obeys `q̈ = command + disturbance`, whatever its inertia. The estimate therefore
@@ -152,7 +152,7 @@ impl ObserverSettings {
 /// let tree = Tree::<1>::from_bodies(&[slide])?;
 /// let settings = ObserverSettings::extended_state(40.0, 0.01)?;
 /// let mut observer = Observer::<1, 1>::new(settings, &JointStates::rest(&tree), 0)?;
-/// // Nothing was commanded, but it falls along its axis with 2 m/s².
+/// // Nothing was commanded, but the slide accelerates along its axis at 2 m/s².
 /// let (mut x, mut v) = (0.0, 0.0);
 /// for _ in 0..60 {
 ///     v += 0.02;

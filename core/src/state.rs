@@ -181,7 +181,7 @@ impl BodyState {
     /// let at = |x| BodyState { pose: Transform::from_translation(Vec3::X * x), ..BodyState::WORLD };
     /// let joint = at(0.75).joint_state(&at(0.25));
     /// assert_eq!(joint.pose.translation_m.x, 0.5);
-    /// // And the way back.
+    /// // The inverse.
     /// assert_eq!(at(0.25).child(&joint), at(0.75));
     /// ```
     #[must_use]

@@ -34,11 +34,11 @@ use crate::tree::Tree;
 /// TorqueSupply::new(&arm, 4.0)?.share(&mut torques);
 /// assert_eq!(torques.map(|torque| torque.value.moment_nm.z), [3.0, 1.0]);
 ///
-/// // A newton metre too few at the shoulder counts three times what it counts at the elbow.
+/// // A missing newton metre costs three times as much at the shoulder as at the elbow.
 /// let by_weight = TorqueSupply::new(&arm, 4.0)?.with_weights(&[3.0, 1.0])?;
 /// let mut torques = wanted.map(|value| Limited { value, reason: None });
 /// by_weight.share(&mut torques);
-/// // The elbow has no more than 2 N m to give: all of it, and the shoulder the rest.
+/// // The elbow gives up all of its 2 N m, and the shoulder the rest.
 /// assert_eq!(torques.map(|torque| torque.value.moment_nm.z), [4.0, 0.0]);
 /// assert_eq!(torques[0].reason, Some(LimitReason::Supply));
 /// assert_eq!(TorqueSupply::new(&arm, -1.0), Err(SupplyError::Supply { nm: -1.0 }));
@@ -164,8 +164,7 @@ impl<const N: usize> TorqueSupply<N> {
     /// gets the same share of its commanded acceleration. The sum of torques is convex in s. The function takes the s
     /// at which the straight line from the sum at s = 0 to the sum at s = 1 reaches the supply. The true sum is never
     /// above this line: the supply is not exceeded, no search is needed, and a little of the supply stays unused. If
-    /// the bias wrenches alone exceed the supply, all torques are reduced like in
-    /// [`Self::share`].
+    /// the bias wrenches alone exceed the supply, all torques are reduced as in [`Self::share`].
     ///
     /// Bias wrenches that are missing or not finite count as zero.
     pub fn share_acceleration(&self, torques: &mut [Limited<Wrench>], bias: &[Wrench]) {

@@ -127,7 +127,7 @@ impl<'a> Trajectory<'a> {
     /// let performance = Trajectory::new(&frames, 1, 1.0)?;
     /// let mut targets = JointTargets::rest(&tree);
     /// performance.targets(0, &mut targets)?;
-    /// // Forward: 1 m in the next second, and 1 m more in the one after it.
+    /// // Forward differences: 1 m in the next second, and 1 m more than that in the second after it.
     /// let (velocity, acceleration) = (targets.states()[0].velocity, targets.accelerations()[0]);
     /// assert_eq!((velocity.linear.x, acceleration.linear.x), (1.0, 1.0));
     /// # Ok::<(), Box<dyn std::error::Error>>(())

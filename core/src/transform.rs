@@ -88,7 +88,7 @@ impl Mul for Transform {
 /// ```
 /// use sinew_core::{Twist, glam::Vec3, math};
 /// let motion = Twist::new(Vec3::X, Vec3::Y * 0.5);
-/// // The same motion in axes that are turned by a quarter about z.
+/// // The motion in axes that are rotated by a quarter turn about z.
 /// let turned = motion.rotated(math::exp(Vec3::Z * core::f32::consts::FRAC_PI_2));
 /// assert!((turned.angular - Vec3::Y).length() < 1e-6);
 /// assert!((turned.linear + Vec3::X * 0.5).length() < 1e-6);

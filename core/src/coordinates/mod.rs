@@ -8,9 +8,9 @@
 //! | fixed | | |
 //! | revolute | angle, rad | rad/s, rad/s², N m |
 //! | prismatic | displacement, m | m/s, m/s², N |
-//! | universal | both angles, rad | two of a revolute joint's |
-//! | spherical | unit quaternion x y z w of the body in the joint frame | three about x, y, z of the body |
-//! | free | that quaternion, then x y z in the joint frame, m | three about, three along axes of the body |
+//! | universal | both angles, rad | rad/s, rad/s², N m, about both axes |
+//! | spherical | unit quaternion x y z w of the body in the joint frame | rad/s, rad/s², N m, about x, y, z of the body |
+//! | free | quaternion as above, then x y z in the joint frame, m | three about, then three along x, y, z of the body |
 //!
 //! `q` has [`Tree::coordinate_count`](crate::Tree::coordinate_count) numbers (nq). The other slices have
 //! [`Tree::dof_count`](crate::Tree::dof_count) numbers (nv). [`Tree::coordinates`](crate::Tree::coordinates) and

@@ -73,7 +73,7 @@ impl<const N: usize> Tree<N> {
     /// let mut effort = [0.0];
     /// tree.efforts(measured.as_slice(), &[wrench], &mut effort)?;
     /// assert_eq!(effort, [3.0]);
-    /// // The way back has no part of what the bearings carry.
+    /// // The inverse omits the part that the bearings carry.
     /// let mut of_drive = [Wrench::ZERO];
     /// tree.wrenches(measured.as_slice(), &effort, &mut of_drive)?;
     /// assert_eq!(of_drive, [Wrench::new(Vec3::X * 3.0, Vec3::ZERO)]);
@@ -193,7 +193,7 @@ impl<const N: usize> JointStates<N> {
     /// let tree = Tree::<1>::from_bodies(&[knee])?;
     /// let mut measured = JointStates::rest(&tree);
     /// measured.set_coordinates_at_rest(&tree, &[3.1])?;
-    /// // Past the end of the encoder's range.
+    /// // The angle passes the end of the encoder's range.
     /// measured.update_coordinates(&tree, &[-3.1], 0.01)?;
     /// let turned_rad = core::f32::consts::TAU - 6.2;
     /// assert!((measured.as_slice()[0].velocity.angular.x - turned_rad / 0.01).abs() < 1e-3);

@@ -106,7 +106,7 @@ impl Default for ArticulatedBody {
 /// use sinew_core::dynamics::{ArticulatedBody, forward_dynamics};
 /// use sinew_core::{Body, Inertia, JointKind, JointStates, Twist, RotationalInertia, Transform, Tree, Wrench};
 /// use sinew_core::glam::Vec3;
-/// // A 2 kg weight on a 0.5 m arm, let go from level: the weight falls freely, so the arm turns at 9.81 / 0.5.
+/// // A 2 kg weight on a 0.5 m arm, released when level: the weight falls freely, so α is 9.81 / 0.5 rad/s².
 /// let arm = Body {
 ///     parent: None,
 ///     joint: JointKind::Revolute { axis: Vec3::Z },

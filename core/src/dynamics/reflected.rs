@@ -38,7 +38,7 @@ pub enum OuterJoints {
 ///     angular_kg_m2: RotationalInertia::diagonal(0.0, 0.0, 0.25),
 ///     linear_kg: 0.0,
 /// };
-/// // A hinge about z: 4 rad/s² take 1 N m.
+/// // A hinge about z: 4 rad/s² need 1 N m.
 /// let wrench = of_joint.wrench(Twist::new(Vec3::Z * 4.0, Vec3::ZERO));
 /// assert_eq!(wrench.moment_nm, Vec3::Z);
 /// ```
@@ -94,7 +94,7 @@ impl ReflectedInertia {
 /// let rest = JointStates::rest(&tree);
 /// let of = |outer| reflected_inertia(&tree, &rest, outer)[0].angular_kg_m2.zz;
 /// assert!((of(OuterJoints::Locked) - (0.25 + 1.0)).abs() < 1e-6);
-/// // Along the line the outer weight swings out of the way of any turn of the inner arm.
+/// // In line with the inner arm, the outer weight yields to any rotation of the inner arm.
 /// assert!((of(OuterJoints::Free) - 0.25).abs() < 1e-6);
 /// # Ok::<(), sinew_core::TreeError>(())
 /// ```

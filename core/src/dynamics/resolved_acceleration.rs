@@ -41,7 +41,7 @@ impl ResolvedAccelerationScratch {
 ///     inertia: Inertia::default(),
 ///     rotor_inertia: 0.0,
 /// };
-/// // The hinge can answer for one of two axes only; the ball beyond it makes up for the other.
+/// // The hinge can follow only one of two axes; the ball joint beyond it follows the other.
 /// let hinge = JointKind::Revolute { axis: Vec3::Z };
 /// let arm = Tree::<2>::from_bodies(&[link(None, hinge, 0.0), link(Some(0), JointKind::Spherical, 0.5)])?;
 /// let joints = JointStates::rest(&arm);

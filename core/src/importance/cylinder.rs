@@ -27,7 +27,7 @@ use crate::math;
 /// let arm = RestPose::<3>::new(&[None, Some(0), Some(1)], &[Vec3::ZERO, Vec3::X, Vec3::X * 1.5])?;
 /// let importance = cylinder_surface(&arm, &[0.0, 0.05, 0.04], 0.001)?;
 /// let [shoulder, elbow, wrist] = [0, 1, 2].map(|joint| importance.as_slice()[joint]);
-/// // Of thin bones: 2 π r ∫ x dx.
+/// // For thin bones: 2 π r ∫ x dx.
 /// let forearm = 6.283 * 0.04 * 0.5 * (1.5 * 1.5 - 1.0);
 /// assert!((shoulder - 0.001 - 6.283 * 0.05 * 0.5 - forearm).abs() < 0.01 * shoulder);
 /// assert!((elbow - 0.001 - 6.283 * 0.04 * 0.125).abs() < 0.03 * elbow);

@@ -8,7 +8,7 @@ use super::weights::Weights;
 use super::{Importance, ImportanceError, RestPose};
 use crate::math;
 
-/// Computes weights in m³ from the skin that a joint moves, `w = base + Σ area · share · |vertex - joint|`. Vertices
+/// Sums for weights in m³ from the skin that a joint moves, `w = base + Σ area · share · |vertex - joint|`. Vertices
 /// are added one by one, so the mesh need not fit in memory. A vertex' share for a joint is the part of its skinning
 /// weights that belongs to the joint and all joints below it.
 ///
@@ -20,7 +20,7 @@ use crate::math;
 /// use sinew_core::{glam::Vec3, importance::{MeshSurface, RestPose}};
 /// let arm = RestPose::<2>::new(&[None, Some(0)], &[Vec3::ZERO, Vec3::X])?;
 /// let mut surface = MeshSurface::new(arm, 0.0)?;
-/// // On the upper arm; then one that the elbow has a fourth of.
+/// // A vertex on the upper arm, then a vertex that is bound to the elbow with a share of a fourth.
 /// surface.add(Vec3::X * 0.5, 0.01, &[(0, 1.0)])?;
 /// surface.add(Vec3::X * 2.0, 0.02, &[(0, 0.75), (1, 0.25)])?;
 /// let importance = surface.importance()?;

@@ -54,7 +54,7 @@ use crate::tree::{Body, Tree};
 /// pose[1].rotation = math::exp(Vec3::Z * 0.5);
 /// let raised = space.coordinates(&pose)?;
 ///
-/// // Half a radian of the shoulder; the elbow moves on an arc of 0.3 m, the hand on one of 0.6 m.
+/// // The shoulder turns by 0.5 rad: the elbow moves on an arc of radius 0.3 m, the hand on one of radius 0.6 m.
 /// assert!((space.angle_distance(&straight, &raised) - 0.5).abs() < 1e-6);
 /// let way_m = space.line_distance(&straight, &raised, 100, &mut LineWorkspace::new());
 /// assert!((way_m - 0.5 * math::sqrt(0.3 * 0.3 + 0.6 * 0.6)).abs() < 1e-5);

@@ -20,8 +20,8 @@ use crate::math;
 use crate::transform::{Transform, Twist, Wrench};
 use crate::tree::{Body, Tree};
 
-/// Finds the pose of a figure that is nearest to the desired pose of another figure. It is the pose within the joints'
-/// ranges that minimises `Σ wᵢ |pᵢ - p_d,i|² + ρᵢ² |Log(Rᵢ R_d,iᵀ)|²`.
+/// A search for the pose of a figure that is nearest to the desired pose of another figure. The result is the pose
+/// within the joints' ranges that minimises `Σ wᵢ |pᵢ - p_d,i|² + ρᵢ² |Log(Rᵢ R_d,iᵀ)|²`.
 ///
 /// When the rig and the performer differ in dimensions, tracking this pose with World Space Error gives up a little
 /// angle accuracy for much better positions. With equal dimensions the result is the desired pose.
@@ -48,7 +48,7 @@ use crate::tree::{Body, Tree};
 /// let arm = Tree::<3>::from_bodies(&bodies)?;
 /// let projection = ManifoldProjection::new(&arm, &[BodyWeight::new(1.0, 0.1); 3])?;
 ///
-/// // The performer's upper arm is shorter: bent a little, the elbow comes nearer to where it should be.
+/// // The performer's upper arm is shorter. With a small bend, the elbow is nearer to its desired position.
 /// let mut desired = bodies.map(|body| body.placement);
 /// desired[2].translation_m = Vec3::new(0.29, 0.05, 0.0);
 /// let (mut workspace, mut nearest) = (ProjectionWorkspace::new(), desired);

@@ -28,7 +28,7 @@ use crate::tree::Tree;
 /// let figure = Tree::<4>::from_bodies(&[None, Some(0), Some(1), Some(0)].map(body))?;
 /// assert_eq!(References::egocentric(&figure).as_slice(), [None, Some(0), Some(0), Some(0)]);
 /// assert_eq!(References::generations(&figure, 2).as_slice(), [None, None, Some(0), None]);
-/// // The leg cannot answer for the spine.
+/// // The leg cannot correct an error of the spine.
 /// let refused = References::new(&figure, &[None, None, None, Some(1)]);
 /// assert_eq!(refused, Err(ReferencesError::NotAncestor { joint: 3, reference: 1 }));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -130,7 +130,7 @@ impl core::error::Error for ReferencesError {}
 /// ```
 /// use sinew_core::{BodyState, Transform, glam::Vec3, state_error::{StateError, accumulated}};
 /// let at = |x| BodyState { pose: Transform::from_translation(Vec3::X * x), ..BodyState::WORLD };
-/// // Both bodies are 0.1 m off in the world: as the root sees it, the other one is where it should be.
+/// // Both bodies are off by 0.1 m in the world, but relative to the root, the second has no error.
 /// let (desired, measured) = ([at(1.0), at(1.5)], [at(0.9), at(1.4)]);
 /// let mut errors = [StateError::ZERO; 2];
 /// accumulated(&[None, Some(0)], &desired, &measured, &mut errors);

@@ -117,7 +117,7 @@ impl StateError {
 /// for method in [Method::Local, Method::World, egocentric, linear_compensation.clone()] {
 ///     TorqueController::new(figure.clone(), gains, method)?;
 /// }
-/// // What was made for another figure is refused.
+/// // A method that was made for another figure is refused.
 /// let other = Tree::<3>::from_bodies(&[body(None)])?;
 /// let refused = TorqueController::new(other, gains, linear_compensation);
 /// assert!(matches!(refused, Err(ControllerError::Aims(_))));

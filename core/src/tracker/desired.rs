@@ -29,7 +29,7 @@ enum Kind {
     Coordinates,
 }
 
-/// Projects frames onto the poses of the rig, and computes targets from their differences.
+/// The desired side of a tracker: it projects frames onto the rig and computes targets from their differences.
 #[derive(Debug)]
 pub(super) struct Desired<const N: usize> {
     differences: Differences,

@@ -74,7 +74,7 @@ impl fmt::Display for InputError {
 
 impl core::error::Error for InputError {}
 
-/// An error for which a tick has no torques.
+/// An error because of which a tick has no torques.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]

@@ -46,8 +46,8 @@ pub use settings::{
 };
 pub use timing::{MAX_DELAY_S, Timing};
 
-/// Tracks a performance with a rig of up to `N` bodies: frames and readings in, limited torques out, one call per
-/// tick.
+/// A tracker, with which a rig of up to `N` bodies follows a performance: frames and readings in, limited torques out,
+/// one call per tick.
 ///
 /// `D`: maximum latency in ticks, plus one. `R`: `N` for resolved acceleration, else 0. The value contains all its
 /// memory: store it in a static.

@@ -164,7 +164,6 @@ impl<L: Line> Board<L> {
     /// # Errors
     /// [`ClientError::Refused`] if it was not executed; [`ClientError::SessionOver`], [`ClientError::NoAnswer`],
     /// [`ClientError::Line`].
-    /// [`ClientError::Line`].
     pub fn ask(&mut self, command: Command) -> Result<Applied, ClientError> {
         self.ask_limited(command).map(|(applied, _)| applied)
     }

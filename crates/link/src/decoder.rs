@@ -7,7 +7,7 @@ use cobs::{DecodeResult, DecoderState};
 
 use crate::frame::{BODY_MAX, CRC_LEN, Message, crc32};
 
-/// Finds messages in a stream. The decoder stores a single frame, and needs no time-out.
+/// A decoder that finds messages in a stream. It stores a single frame, and needs no time-out.
 ///
 /// A frame starts and ends with a zero and contains no other zero. Damage therefore affects only the frame it is in,
 /// and after garbage the next frame is found.

@@ -17,7 +17,7 @@ const TRIES: u8 = 10;
 /// programming).
 const LONGEST_MS: u32 = 60_000;
 
-/// Numbers the commands of a session. The caller supplies the time in ms, which may wrap to 0 after 2³².
+/// A sender that numbers the commands of a session. The caller supplies the time in ms, which may wrap to 0 after 2³².
 #[derive(Debug, Clone)]
 pub struct Sender {
     session: u16,

@@ -3,7 +3,7 @@
 /// Number of tracked values below the newest.
 const REMEMBERED: u16 = 32;
 
-/// Tracks the arrival of numbers that rise by one and wrap from 65535 to 0.
+/// A record of received numbers. The numbers rise by one and wrap from 65535 to 0.
 #[derive(Debug, Clone)]
 pub struct Window {
     newest: u16,

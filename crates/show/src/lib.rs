@@ -12,7 +12,7 @@
 //! use sinew_show::write::{Motion, Settings, write};
 //! use sinew_show::{Joint, Player, Rate, Show};
 //!
-//! // At the desk: an elbow that swings for two seconds, at 100 samples a second.
+//! // On the host: an elbow that swings for two seconds, with 100 samples per second.
 //! let q: Vec<f64> = (0..=200).map(|k| 0.8 * (0.03 * f64::from(k)).sin()).collect();
 //! let motion = Motion {
 //!     joints: &[Joint::Revolute],
@@ -33,7 +33,7 @@
 //! let mut player = Player::<8>::new(show)?;
 //! let (mut q, mut qd, mut qdd) = ([0.0; 1], [0.0; 1], [0.0; 1]);
 //! player.state_at(show.pace(0.002).position(250), &mut q, &mut qd, &mut qdd)?;
-//! // After half a second: 0.8 sin 1.5, and its derivatives as near as the bound lets them.
+//! // After half a second: 0.8 sin 1.5, with derivatives as accurate as the bound allows.
 //! assert!((q[0] - 0.798).abs() < 0.005 && qd[0].abs() < 0.5 && qdd[0] < -5.0);
 //! # }
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -34,7 +34,7 @@ const LAST_STEP_RAD: f32 = 1e-5;
 /// ```
 /// use sinew_core::{BodyState, Transform, glam::Vec3};
 /// use sinew_core::state_error::{AimStatus, Compensation, compensate_all};
-/// // Two hips below a pelvis that hangs 0.05 m too low: no turn brings both of them nearer.
+/// // Two hips below a pelvis that is 0.05 m too low: no rotation brings both of them nearer.
 /// let desired = BodyState { pose: Transform::from_translation(Vec3::Y * 0.05), ..BodyState::WORLD };
 /// let hips = [Vec3::new(0.1, -0.1, 0.0), Vec3::new(-0.1, -0.1, 0.0)];
 /// let settings = Compensation::default();

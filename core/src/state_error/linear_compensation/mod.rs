@@ -34,7 +34,7 @@ use one_goal::toward;
 /// let aims = [Aim::Child(1), Aim::None];
 /// let settings = Compensation::default();
 /// linear_compensation(&aims, settings, &desired, &measured, &mut errors, &mut status);
-/// // The thigh turns inwards, so that the knee comes nearer to where it should be.
+/// // The thigh rotates inwards, which brings the knee nearer to its desired position.
 /// assert_eq!(status, [AimStatus::Compensated, AimStatus::Leaf]);
 /// assert!((errors[0].angular_rad.z + (0.1f32 / 0.4).atan()).abs() < 1e-6);
 /// assert_eq!(errors[1].angular_rad, Vec3::ZERO);

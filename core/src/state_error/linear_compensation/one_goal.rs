@@ -24,7 +24,7 @@ pub(super) const SMALLEST_SINE: f32 = 1e-6;
 /// ```
 /// use sinew_core::{BodyState, Transform, glam::Vec3};
 /// use sinew_core::state_error::{AimStatus, Compensation, compensate};
-/// // The measured body hangs 0.1 m beside the desired one: to reach the goal 0.3 m below, it must turn.
+/// // The measured body is 0.1 m beside the desired one. It must rotate to reach the goal 0.3 m below.
 /// let desired = BodyState::WORLD;
 /// let measured = BodyState { pose: Transform::from_translation(Vec3::X * 0.1), ..BodyState::WORLD };
 /// let goal_arm = Some(Vec3::new(0.0, -0.3, 0.0));

@@ -22,7 +22,7 @@ pub(crate) const SECONDS: f64 = 600.0;
 /// Duration of the transition from the end of a clip to the start of the next. It counts in bytes, not in time.
 const BETWEEN_S: f64 = 0.5;
 
-/// The samples of a [`performance`] as the motion of a rig of revolute joints.
+/// Returns the samples of a [`performance`] as the motion of a rig of revolute joints.
 pub(crate) fn motion(q: &[f64]) -> Motion<'_> {
     Motion {
         joints: &[Joint::Revolute; CHANNELS],
