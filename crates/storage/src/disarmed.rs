@@ -3,8 +3,8 @@
 /// Proof that no drive may move. Every function that erases takes `&Disarmed`.
 ///
 /// There is only one value: [`Store::open`](crate::Store::open) creates it at power-on, when nothing is armed. Other
-/// code can neither create nor copy it. Its owner is the supervisor, which lends it only while the rig is limp. In a
-/// state in which servos hold or move, a call that erases therefore does not compile.
+/// code can neither create nor copy it. Its owner is the supervisor, which lends it only while the rig is limp. While
+/// servos hold or move, no code therefore has the permission to erase.
 ///
 /// ```compile_fail
 /// let mine = sinew_storage::Disarmed(());
