@@ -109,7 +109,7 @@ pub struct Twist {
 }
 
 impl Twist {
-    /// No motion.
+    /// Zero velocity or acceleration.
     pub const ZERO: Self = Self { angular: Vec3::ZERO, linear: Vec3::ZERO };
 
     /// Creates a motion from its parts.

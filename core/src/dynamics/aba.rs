@@ -34,7 +34,7 @@ pub struct ArticulatedBody {
 /// The response of a joint to forces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Response {
-    /// No motion.
+    /// A fixed joint: no motion.
     Rigid,
     /// Motion along one axis.
     Axis(Along),

@@ -14,7 +14,7 @@ use crate::tree::Body;
 pub struct ResolvedAccelerationScratch(Demand);
 
 impl ResolvedAccelerationScratch {
-    /// Initial value.
+    /// Initial value, before the first use.
     pub const ZERO: Self = Self(Demand::ZERO);
 }
 

@@ -132,7 +132,7 @@ pub enum VertexError {
     Influence {
         /// Index of the joint.
         joint: usize,
-        /// Skinning weight.
+        /// Skinning weight of the vertex for the joint.
         value: f32,
     },
     /// The vertex is bound to no joint, or the sum of its skinning weights is too large for f32.

@@ -120,7 +120,7 @@ pub enum ImportanceError {
     },
     /// The base weight, which every joint starts with, is negative or not finite.
     Base {
-        /// Base weight.
+        /// Base weight of every joint.
         value: f32,
     },
     /// The discount is not from 0 to 1.

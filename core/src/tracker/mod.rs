@@ -83,7 +83,7 @@ pub use timing::{MAX_DELAY_S, Timing};
 /// let mut tracker = Tracker::<1, 8>::new(tree, &Settings::recommended(), timing)?;
 /// let mut show = Shake([Transform::IDENTITY]);
 /// for tick in 0..100 {
-///     // What the sensors of the joints say goes in, and torques for their drives come out.
+///     // Input: readings of the joints' sensors. Output: torques for their drives.
 ///     let measured = [Transform::IDENTITY];
 ///     let mut efforts_nm = [0.0];
 ///     tracker.step(&mut show, tick, &measured)?.efforts(&mut efforts_nm)?;

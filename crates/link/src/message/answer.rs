@@ -165,10 +165,10 @@ pub enum Refusal {
         /// Requested value.
         #[serde(with = "finite")]
         found: f32,
-        /// Minimum.
+        /// Minimum valid value.
         #[serde(with = "finite")]
         least: f32,
-        /// Maximum.
+        /// Maximum valid value.
         #[serde(with = "finite")]
         most: f32,
     },

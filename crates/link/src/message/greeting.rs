@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub struct Version {
     /// Major version: different major versions are incompatible.
     pub major: u8,
-    /// Minor version: a higher one has more messages.
+    /// Minor version: a higher minor version has more messages.
     pub minor: u8,
 }
 

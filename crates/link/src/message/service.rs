@@ -58,11 +58,11 @@ pub struct Passed {
 /// Processor cycles of a repeated piece of work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Cycles {
-    /// Minimum.
+    /// Minimum number of cycles.
     pub least: u32,
-    /// Mean.
+    /// Mean number of cycles.
     pub mean: u32,
-    /// Maximum.
+    /// Maximum number of cycles.
     pub most: u32,
     /// Number of repetitions.
     pub count: u32,

@@ -23,13 +23,13 @@ pub type Approver = String<APPROVER_MAX>;
 /// The value of a setting.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Value {
-    /// Yes or no.
+    /// A flag: yes or no.
     Flag(bool),
     /// A count, or an index into a list.
     Count(u32),
     /// A number, in SI units.
     Number(#[serde(with = "finite")] f32),
-    /// A name.
+    /// A name, as text.
     Text(Name),
 }
 

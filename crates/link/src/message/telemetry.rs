@@ -143,7 +143,7 @@ impl TelemetryParts {
     pub const DOFS: Self = Self(4);
     /// Data of servos.
     pub const SERVOS: Self = Self(8);
-    /// All parts.
+    /// All parts of a snapshot.
     pub const ALL: Self = Self(15);
 
     /// Returns the union of both sets.
