@@ -267,7 +267,7 @@ impl TorqueLimit {
         self.cut(wanted)
     }
 
-    /// Limits a torque in place, like [`Self::apply`]. `slides`: whether the joint may have a force.
+    /// Limits a torque in place, like `apply`. `slides`: whether the joint may have a force.
     #[inline]
     pub(crate) fn bound(self, torque: &mut Limited<Wrench>, slides: bool) {
         let wanted = torque.value;
@@ -280,7 +280,7 @@ impl TorqueLimit {
         }
     }
 
-    /// Limits a wrench that failed the quick check [`within`].
+    /// Limits a wrench that failed the quick check `within`.
     fn cut(self, wanted: Wrench) -> Limited<Wrench> {
         if !wanted.is_finite() {
             // Checked before any comparison, because NaN passes a clamp.

@@ -285,7 +285,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
     /// # Errors
     /// [`ObserverError`], and nothing changes, if the number of bandwidths is not the number of joints, a bandwidth
     /// is neither 0 nor valid for [`ObserverSettings::extended_state`], or the observer has the settings
-    /// [`ObserverSettings::differences`].
+    /// `ObserverSettings::differences`.
     pub fn set_bandwidths(&mut self, rad_s: &[f32]) -> Result<(), ObserverError> {
         let (expected, found) = (self.estimates.as_slice().len(), rad_s.len());
         if expected != found {
@@ -571,7 +571,7 @@ impl ObserverSettings {
         state
     }
 
-    /// Corrects a spherical joint, like [`Self::correct`].
+    /// Corrects a spherical joint, like `correct`.
     #[inline]
     fn correct_ball(
         &self,
@@ -597,7 +597,7 @@ impl ObserverSettings {
         }
     }
 
-    /// Corrects a revolute joint, like [`Self::correct`], in numbers along its axis.
+    /// Corrects a revolute joint, like `correct`, in numbers along its axis.
     // Never inlined, so that joints of other kinds do not pay for its stack.
     #[inline(never)]
     fn correct_hinge(

@@ -106,7 +106,7 @@ impl<'t, const N: usize> PoseSpace<'t, N> {
     }
 
     /// Sets a weight for each joint, which applies to squared distances in metres and in radians alike. An
-    /// [`Importance`](crate::importance) may serve as weights.
+    /// [`importance`](crate::importance) may serve as weights.
     ///
     /// # Errors
     /// [`PoseSpaceError::Count`] if the number of weights is not the number of joints, [`PoseSpaceError::Weight`] if

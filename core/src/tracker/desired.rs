@@ -252,7 +252,7 @@ impl<const N: usize> Desired<N> {
         }?)
     }
 
-    /// Computes the targets like [`Self::difference`], but with velocities that are zero or backward differences.
+    /// Computes the targets like `difference`, but with velocities that are zero or backward differences.
     // Never inlined: boards do not use it, and their ticks should not pay for its stack.
     #[inline(never)]
     fn difference_at_rest_or_backward(

@@ -199,7 +199,7 @@ impl<B: Default + Clone> Settings<B> {
         effective
     }
 
-    /// Replaces the recommended method as [`Self::effective`] does, without the limit by the period.
+    /// Replaces the recommended method as `effective` does, without the limit by the period.
     fn spelled_out(self) -> Self {
         if self.method != MethodName::Recommended {
             return self;
@@ -440,7 +440,7 @@ impl Settings {
     }
 
     /// Returns the settings of the observer, if there is one. These settings must already be explicit (see
-    /// [`Self::effective`]).
+    /// `effective`).
     pub(super) fn observer(&self, dt_s: f32) -> Result<Option<ObserverSettings>, TrackerError> {
         let ObserverChoice { bandwidth_rad_s, predict, .. } = self.observer;
         Ok(if bandwidth_rad_s > 0.0 {

@@ -11,7 +11,7 @@ pub(crate) const CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// Length of a read, in bytes, aligned to itself: a driver may require any alignment up to it.
 pub(crate) const CHUNK: usize = 64;
-/// Length of a read as a `u32`, see [`CHUNK`].
+/// Length of a read as a `u32`, see `CHUNK`.
 pub(crate) const CHUNK_LEN: u32 = 64;
 
 /// Returns the write granule, in bytes: the flash's write size, at least a word.
