@@ -1,4 +1,4 @@
-//! Bodies by the kind of their joint, and trees that are one chain.
+//! Constructors of bodies by the kind of their joint, and of trees that are one chain.
 
 use glam::Vec3;
 
@@ -8,7 +8,7 @@ use crate::transform::Transform;
 use crate::tree::{Body, Tree, TreeError};
 
 impl Body {
-    /// A body on a joint of any kind, without a rotor.
+    /// Creates a body on a joint of any kind, without a rotor.
     fn on(
         parent: Option<usize>,
         joint: JointKind,
@@ -18,21 +18,21 @@ impl Body {
         Self { parent, joint, placement: placement.into(), inertia, rotor_inertia: 0.0 }
     }
 
-    /// A body that is welded to its parent.
+    /// Creates a body that is welded to its parent.
     ///
     /// `parent`, `placement` and `inertia` are as in [`Body::revolute`].
     pub fn fixed(parent: Option<usize>, placement: impl Into<Transform>, inertia: Inertia) -> Self {
         Self::on(parent, JointKind::Fixed, placement, inertia)
     }
 
-    /// A body that turns about one axis.
+    /// Creates a body that turns about one axis.
     ///
     /// - `parent`: index of the parent body; `None` for the root.
     /// - `axis`: unit vector in the joint frame.
-    /// - `placement`: joint frame in the parent's body frame; a [`Vec3`] in m if nothing is turned.
-    /// - `inertia`: in the body frame.
+    /// - `placement`: joint frame in the parent's body frame. A [`Vec3`] in m is a frame that is not turned.
+    /// - `inertia`: mass properties in the body frame.
     ///
-    /// Nothing is checked before [`Tree::push`]. The drive has no rotor: set [`Body::rotor_inertia`] of a geared one.
+    /// [`Tree::push`] validates the arguments. The drive has no rotor: set [`Body::rotor_inertia`] of a geared drive.
     ///
     /// ```
     /// use sinew_core::{Body, Inertia, JointKind, glam::Vec3};
@@ -50,7 +50,7 @@ impl Body {
         Self::on(parent, JointKind::Revolute { axis }, placement, inertia)
     }
 
-    /// A body that slides along one axis.
+    /// Creates a body that slides along one axis.
     ///
     /// Arguments are those of [`Body::revolute`].
     pub fn prismatic(
@@ -62,7 +62,7 @@ impl Body {
         Self::on(parent, JointKind::Prismatic { axis }, placement, inertia)
     }
 
-    /// A body on a ball joint.
+    /// Creates a body on a ball joint.
     ///
     /// `parent`, `placement` and `inertia` are as in [`Body::revolute`].
     pub fn spherical(
@@ -75,9 +75,9 @@ impl Body {
 }
 
 impl<const N: usize> Tree<N> {
-    /// A chain: the first body is the root, each of the others hangs on the one before it. O(n).
+    /// Creates a chain: the first body is the root, and the parent of each other body is the body before it. O(n).
     ///
-    /// The bodies' own parents do not count.
+    /// The function ignores the parents that the bodies name.
     ///
     /// # Errors
     /// As [`Self::push`].

@@ -16,12 +16,13 @@ use crate::tree::Tree;
 /// A controller that holds the joints of a rig at target positions, or leads them along moving ones.
 ///
 /// It is a [`TorqueController`] with inverse dynamics and the errors of the joints themselves, which owns targets,
-/// states and workspace: the caller has nothing but slices of numbers, as [`coordinates`](crate::coordinates) has them.
+/// states and workspace. The caller has only slices of numbers, as [`coordinates`](crate::coordinates) has them.
 /// `q` has nq numbers (rad, m, or a unit quaternion), speeds, accelerations and efforts have nv.
 ///
 /// The torque is `H(q) (q̈ + kp e + kd ė) + C + G`: computed torque (Luh, Walker & Paul, "On-Line Computational Scheme
-/// for Mechanical Manipulators", 1980). An error is the shorter way round. It has at most 532 bytes for each body of
-/// the capacity `N`; a tick takes what [`TorqueController::tick`] takes, and the way in and out of coordinates.
+/// for Mechanical Manipulators", 1980). Errors of angles are the shorter way round. The
+/// controller takes up to 532 bytes for each body of the capacity `N`. A tick costs what [`TorqueController::tick`]
+/// costs, and the conversion of coordinates.
 ///
 /// ```
 /// use sinew_core::{Body, Inertia, JointController, Tree, glam::Vec3};
@@ -44,13 +45,13 @@ pub struct JointController<const N: usize> {
 }
 
 impl<const N: usize> JointController<N> {
-    /// A controller of a rig under gravity of 9.81 m/s² along -y of its base. O(n).
+    /// Creates the controller of a rig under gravity of 9.81 m/s² along -y of its base. O(n).
     ///
-    /// - `kp`: stiffness per unit of inertia, 1/s², of all joints. 200 is firm, 20 is soft. The damping is critical:
+    /// - `kp`: stiffness per unit of inertia of all joints, in 1/s². 200 is firm, 20 is soft. The damping is critical:
     ///   `kd = 2 √kp` in 1/s.
-    /// - `limits`: the largest effort of each joint's drive, one number for each body: N m of joints that turn, N of
-    ///   those that slide, both of a free one. It bounds the length of the vector of a joint of several axes. Of a
-    ///   fixed joint it does not count. Infinity is no limit.
+    /// - `limits`: maximum effort of each joint's drive, one number for each body: N m of a joint that turns, N of a
+    ///   joint that slides, both of a free joint. For a joint of several axes, the limit bounds the length of the
+    ///   vector. The limit of a fixed joint has no effect. Infinity means no limit.
     ///
     /// # Errors
     /// [`JointControllerError`] if the tree is empty, the stiffness is negative or not finite, there is not a limit for
@@ -70,7 +71,7 @@ impl<const N: usize> JointController<N> {
         for (joint, &value) in limits.iter().enumerate() {
             let limit = TorqueLimit::new(value, value)
                 .map_err(|_| JointControllerError::Limit { joint, value })?;
-            // More than the tree has are refused by their count.
+            // A count above the capacity is above that of the tree.
             if checked.push(limit).is_err() {
                 let (expected, found) = (tree.len(), limits.len());
                 return Err(ControllerError::Count { expected, found }.into());
@@ -110,14 +111,14 @@ impl<const N: usize> JointController<N> {
         Ok(Self { controller: self.controller.with_joint_gains(gains)?, ..self })
     }
 
-    /// The efforts of this instant that lead to target positions, and hold the joints there. O(n).
+    /// Writes the efforts that move the joints to target positions and hold them there. O(n).
     ///
-    /// `q_target`: where the joints should be. `q`, `qd`: where they are, and how fast. `efforts`: N m or N by degree
-    /// of freedom, within the limits.
+    /// `q_target`: target positions. `q`, `qd`: measured positions and speeds. `efforts`: N m or N for each dof, within
+    /// the limits.
     ///
     /// # Errors
-    /// [`JointTickError`], and nothing is written, if a slice does not fit the tree, a number is not one from -1e6 to
-    /// 1e6, or a quaternion is not unit. There are no efforts then, and the servos must be held safe.
+    /// [`JointTickError`], and nothing is written, if a slice does not fit the tree, a number is outside -1e6 to 1e6 or
+    /// NaN, or a quaternion is not unit. The caller must then hold the servos safe.
     ///
     /// ```
     /// use sinew_core::{Body, Inertia, JointController, Tree, glam::Vec3};
@@ -143,9 +144,9 @@ impl<const N: usize> JointController<N> {
         self.follow([q_target, zeros, zeros], q, qd, efforts)
     }
 
-    /// The efforts of this instant that lead along moving targets. O(n).
+    /// Writes the efforts that move the joints along moving targets. O(n).
     ///
-    /// `target`: positions, speeds and accelerations that the joints should have. The rest is as in [`Self::tick`].
+    /// `target`: desired positions, speeds and accelerations. The other arguments are those of [`Self::tick`].
     ///
     /// # Errors
     /// [`JointTickError`], as [`Self::tick`].
@@ -157,7 +158,7 @@ impl<const N: usize> JointController<N> {
     /// let mut controller = JointController::new(arm, 100.0, &[30.0])?;
     /// let mut torques_nm = [0.0];
     /// controller.follow([&[0.0], &[1.0], &[4.0]], &[0.0], &[1.0], &mut torques_nm)?;
-    /// // Where it should be: its weight, and 0.5 kg m² times 4 rad/s².
+    /// // The arm is at its target: its weight, and 0.5 kg m² times 4 rad/s².
     /// assert!((torques_nm[0] - 11.81).abs() < 1e-5);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -179,7 +180,7 @@ impl<const N: usize> JointController<N> {
         tree.efforts(measured.as_slice(), wrenches, efforts).map_err(JointTickError::Efforts)
     }
 
-    /// The reason why the last tick gave a joint less than it asked for, if it did. O(1).
+    /// Returns the reason why the last tick limited the effort of a joint, if it did. O(1).
     ///
     /// ```
     /// use sinew_core::{Body, Inertia, JointController, Tree, control::LimitReason, glam::Vec3};
@@ -195,18 +196,18 @@ impl<const N: usize> JointController<N> {
         self.workspace.torques().get(joint).and_then(|torque| torque.reason)
     }
 
-    /// The rig.
+    /// Returns the rig.
     pub fn tree(&self) -> &Tree<N> {
         self.controller.tree()
     }
 
-    /// The controller within: gains, limits, gravity.
+    /// Returns the controller within, which has gains, limits and gravity.
     pub fn controller(&self) -> &TorqueController<N> {
         &self.controller
     }
 }
 
-/// Why a controller in joint coordinates could not be made.
+/// A reason why a [`JointController`] could not be created.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -220,7 +221,7 @@ pub enum JointControllerError {
         /// Its limit.
         value: f32,
     },
-    /// The tree is empty, there is not one limit or gain for each joint, or gravity is not finite.
+    /// The tree is empty, the number of limits or gains is not that of the joints, or gravity is not finite.
     Controller(ControllerError),
 }
 
@@ -230,7 +231,7 @@ impl fmt::Display for JointControllerError {
             Self::Gains(error) => error.fmt(f),
             Self::Limit { joint, value } => write!(
                 f,
-                "the limit of joint {joint} is {value}; it must be a number from 0, or infinity for none"
+                "the limit of joint {joint} is {value}; it must be zero or more, or infinity for no limit"
             ),
             Self::Controller(error) => error.fmt(f),
         }
@@ -251,16 +252,16 @@ impl From<ControllerError> for JointControllerError {
     }
 }
 
-/// Why a tick of a [`JointController`] was refused.
+/// A reason why a tick of a [`JointController`] was refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum JointTickError {
-    /// The target is none of this rig.
+    /// The target does not fit the rig.
     Target(CoordinatesError),
-    /// What was measured is no state of this rig.
+    /// The measured state does not fit the rig.
     Measured(CoordinatesError),
-    /// The slice of efforts has not one item for each degree of freedom.
+    /// The slice of efforts does not have one item for each dof.
     Efforts(CoordinatesError),
 }
 
@@ -288,7 +289,7 @@ mod tests {
         Tree::serial_chain(&[Vec3::Y, Vec3::X, Vec3::X].map(link)).unwrap()
     }
 
-    /// What is compared: zeros have no sign.
+    /// Returns the bits to compare. Zeros lose their sign.
     fn bits(numbers: [f32; 3]) -> [u32; 3] {
         numbers.map(|number| (number + 0.0).to_bits())
     }

@@ -17,21 +17,21 @@ use crate::tree::{Body, Tree};
 ///
 /// Each function reads and writes slices of numbers, as [`coordinates`](crate::coordinates) has them: `q` with nq
 /// numbers (rad, m, or a unit quaternion), `qd`, `qdd` and `tau` with nv (rad/s and m/s, rad/s² and m/s², N m and N).
-/// Scratch memory is on the stack, and so are copies of what the slices mean: 136 bytes for each body of the capacity
+/// The stack holds scratch memory and the states that the slices mean: 136 bytes for each body of the capacity
 /// `N` for inverse dynamics and gravity, 424 for forward dynamics, at most 216 for the mass matrix. Trees of 16 bodies
 /// take 2.8, 7.1 and 3.2 kB in all on a Cortex-M4. Gravity is [`GRAVITY_M_S2`]: 9.81 m/s² along -y of the base.
 /// [`Tree::under_gravity`] sets another.
 ///
-/// Results are finite unless one of them, or of the numbers on the way, is too large for f32.
+/// Results are finite unless a result or an intermediate number is too large for f32.
 impl<const N: usize> Tree<N> {
-    /// The efforts `tau` along the degrees of freedom that make the accelerations `qdd` in the state `q`, `qd`:
+    /// Writes the efforts `tau` that make the accelerations `qdd` in the state `q`, `qd`:
     /// `tau = H(q) qdd + C(q, qd) + G(q)`. O(n).
     ///
-    /// The recursive Newton-Euler algorithm: see [`dynamics::inverse_dynamics`](crate::dynamics::inverse_dynamics).
+    /// Uses the recursive Newton-Euler algorithm: see [`dynamics::inverse_dynamics`](crate::dynamics::inverse_dynamics).
     ///
     /// # Errors
-    /// [`CoordinatesError`], and nothing is written, if a slice does not fit the tree, a number is not one from -1e6
-    /// to 1e6, or a quaternion is not unit.
+    /// [`CoordinatesError`], and nothing is written, if a slice does not fit the tree, a number is outside -1e6 to 1e6
+    /// or NaN, or a quaternion is not unit.
     ///
     /// ```
     /// use sinew_core::{Body, Inertia, Tree, glam::Vec3};
@@ -57,11 +57,11 @@ impl<const N: usize> Tree<N> {
         self.under_gravity(GRAVITY_M_S2).inverse_dynamics(q, qd, qdd, tau)
     }
 
-    /// The accelerations `qdd` along the degrees of freedom that the efforts `tau` make in the state `q`, `qd`. O(n).
+    /// Writes the accelerations `qdd` that the efforts `tau` make in the state `q`, `qd`. O(n).
     ///
-    /// The articulated-body algorithm: see [`dynamics::forward_dynamics`](crate::dynamics::forward_dynamics), also for
-    /// degrees of freedom without inertia. The mass matrix and its factors would take the stack of nv² numbers, and
-    /// O(nv³) operations.
+    /// Uses the articulated-body algorithm: see [`dynamics::forward_dynamics`](crate::dynamics::forward_dynamics), also
+    /// for dofs without inertia. The factors of the mass matrix would take a stack of nv² numbers and O(nv³)
+    /// operations.
     ///
     /// # Errors
     /// [`CoordinatesError`], as [`Self::inverse_dynamics`].
@@ -75,7 +75,7 @@ impl<const N: usize> Tree<N> {
         self.under_gravity(GRAVITY_M_S2).forward_dynamics(q, qd, tau, qdd)
     }
 
-    /// The efforts `tau` along the degrees of freedom that hold the tree at rest in the pose `q`: `G(q)`. O(n).
+    /// Writes the efforts `tau` that hold the tree at rest in the pose `q`: `G(q)`. O(n).
     ///
     /// # Errors
     /// [`CoordinatesError`], as [`Self::inverse_dynamics`].
@@ -87,7 +87,7 @@ impl<const N: usize> Tree<N> {
     /// let mut tau = [0.0];
     /// arm.gravity(&[0.0], &mut tau)?;
     /// assert!((tau[0] - 9.81).abs() < 1e-5);
-    /// // With z up the axis is upright, and the bearings carry the weight.
+    /// // With z up the axis is vertical, and the bearings carry the weight.
     /// arm.under_gravity(Vec3::Z * -9.81).gravity(&[0.0], &mut tau)?;
     /// assert_eq!(tau, [0.0]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -96,10 +96,10 @@ impl<const N: usize> Tree<N> {
         self.under_gravity(GRAVITY_M_S2).gravity(q, tau)
     }
 
-    /// The joint-space mass matrix `H(q)`, in full, row by row (it is symmetric to the last bit): nv² numbers in
-    /// kg m² between turns, kg between slides, kg m between one and the other. O(n · depth + nv²).
+    /// Writes the joint-space mass matrix `H(q)`, in full, row by row (`H` is symmetric to the last bit): nv² numbers in
+    /// kg m² between turns, kg between slides, kg m between turns and slides. O(n · depth + nv²).
     ///
-    /// The composite-rigid-body algorithm: see [`dynamics::mass_matrix`](crate::dynamics::mass_matrix).
+    /// Uses the composite-rigid-body algorithm: see [`dynamics::mass_matrix`](crate::dynamics::mass_matrix).
     ///
     /// # Errors
     /// [`CoordinatesError`], as [`Self::inverse_dynamics`]; a `matrix` that has not nv² items is a wrong count.
@@ -125,15 +125,15 @@ impl<const N: usize> Tree<N> {
         Ok(())
     }
 
-    /// The same dynamics under another gravity, m/s² in the axes of the base. O(1).
+    /// Returns the dynamics under another gravity, in m/s² and the axes of the base. O(1).
     ///
-    /// If a number of it is not finite, neither are the results.
+    /// Results are not finite if a component of gravity is not.
     pub fn under_gravity(&self, gravity_m_s2: Vec3) -> UnderGravity<'_, N> {
         UnderGravity { tree: self, gravity_m_s2 }
     }
 }
 
-/// A tree under a gravity of its own: [`Tree::under_gravity`] makes it.
+/// A tree under a gravity of its own, from [`Tree::under_gravity`].
 ///
 /// ```
 /// use sinew_core::{Body, Inertia, Tree, glam::Vec3};
@@ -152,7 +152,7 @@ pub struct UnderGravity<'t, const N: usize> {
 }
 
 impl<const N: usize> UnderGravity<'_, N> {
-    /// As [`Tree::inverse_dynamics`]. O(n).
+    /// Writes the efforts of a motion, as [`Tree::inverse_dynamics`]. O(n).
     ///
     /// # Errors
     /// [`CoordinatesError`], as [`Tree::inverse_dynamics`].
@@ -171,7 +171,7 @@ impl<const N: usize> UnderGravity<'_, N> {
         Ok(())
     }
 
-    /// As [`Tree::forward_dynamics`]. O(n).
+    /// Writes the accelerations that efforts make, as [`Tree::forward_dynamics`]. O(n).
     ///
     /// # Errors
     /// [`CoordinatesError`], as [`Tree::inverse_dynamics`].
@@ -209,7 +209,7 @@ impl<const N: usize> UnderGravity<'_, N> {
         Ok(())
     }
 
-    /// As [`Tree::gravity`]. O(n).
+    /// Writes the efforts that hold the tree, as [`Tree::gravity`]. O(n).
     ///
     /// # Errors
     /// [`CoordinatesError`], as [`Tree::inverse_dynamics`].
@@ -220,7 +220,7 @@ impl<const N: usize> UnderGravity<'_, N> {
         Ok(())
     }
 
-    /// Writes the efforts of a motion that is checked; speeds and accelerations that are not there count as zero.
+    /// Writes the efforts of a validated motion. Missing speeds and accelerations count as zero.
     fn write_efforts(&self, q: &[f32], qd: &[f32], qdd: &[f32], tau: &mut [f32]) {
         let bodies = self.tree.bodies();
         let joints = joints::<N>(bodies, q, qd);
@@ -247,7 +247,7 @@ impl<const N: usize> UnderGravity<'_, N> {
     }
 }
 
-/// The states of all joints, of coordinates that are checked; speeds that are not there count as zero.
+/// Returns the states of all joints. The coordinates must have passed the checks. Missing speeds count as zero.
 fn joints<const N: usize>(bodies: &[Body], q: &[f32], qd: &[f32]) -> [JointState; N] {
     let mut joints = [JointState::default(); N];
     for_each_state(bodies, q, qd, |joint, _, state, _| {
@@ -262,7 +262,6 @@ fn joints<const N: usize>(bodies: &[Body], q: &[f32], qd: &[f32]) -> [JointState
 mod tests {
     use super::*;
 
-    /// The stack that the documentation of [`Tree`]'s functions names, bytes a body.
     #[test]
     fn the_stack_of_a_body_is_as_documented() {
         let inverse = size_of::<(JointState, Twist, BodyMotion, Wrench)>();

@@ -1,4 +1,4 @@
-//! Dynamics in coordinates: what holds on random trees, and what is refused.
+//! Tests of dynamics in coordinates: properties on random trees, and refusals.
 
 use sinew_core::coordinates::CoordinatesError;
 use sinew_core::glam::{Quat, Vec3};
@@ -7,7 +7,7 @@ use sinew_core::{Body, Inertia, JointKind, Transform, Tree, math};
 /// Bodies of a tree.
 const N: usize = 10;
 
-/// Numbers from -1 to 1, always the same ones (xorshift; Marsaglia 2003).
+/// A source of numbers, with a fixed seed (xorshift; Marsaglia 2003).
 struct Random(u32);
 
 impl Random {
@@ -38,7 +38,7 @@ impl Random {
         (0..count).map(|_| 2.0 * self.number()).collect()
     }
 
-    /// A tree of joints of all kinds; a root may be free.
+    /// Returns a tree of joints of all kinds. Only a root is free.
     fn tree(&mut self) -> Tree<N> {
         let mut tree = Tree::new();
         for index in 0..N {
@@ -67,7 +67,7 @@ impl Random {
         tree
     }
 
-    /// Positions of a tree, those of balls unit quaternions.
+    /// Returns positions of all joints, with unit quaternions for ball joints.
     fn positions(&mut self, tree: &Tree<N>) -> Vec<f32> {
         let mut q = Vec::new();
         for body in tree.bodies() {
@@ -152,7 +152,7 @@ fn the_mass_matrix_is_symmetric_positive_definite_and_that_of_inverse_dynamics()
                 }
             }
         }
-        // H qdd is what an acceleration takes beyond the bias.
+        // H qdd is the effort of an acceleration without the bias.
         let (mut whole, mut bias) = (vec![0.0; size], vec![0.0; size]);
         tree.inverse_dynamics(q, qd, qdd, &mut whole).unwrap();
         tree.inverse_dynamics(q, qd, &vec![0.0; size], &mut bias).unwrap();
@@ -176,7 +176,7 @@ fn gravity_is_inverse_dynamics_at_rest() {
     });
 }
 
-/// A ball and a hinge: nq is 5, nv is 4.
+/// Returns a ball and a hinge: nq is 5, nv is 4.
 fn leg() -> Tree<2> {
     let inertia = Inertia::of_box(1.0, Vec3::Y * -0.1, Vec3::new(0.05, 0.2, 0.05));
     let hip = Body::spherical(None, Vec3::ZERO, inertia);

@@ -2,26 +2,27 @@
 
 #![no_std]
 
+use sinew_core::coordinates::CoordinatesError;
 use sinew_core::prelude::*;
 use sinew_core::{JointControllerError, JointTickError, TreeError};
 
 /// Joints of the arm.
 pub const JOINTS: usize = 6;
 
-/// The arm of the core's first example.
+/// Returns the arm of the core's first example.
 ///
 /// # Errors
-/// Never, unless its numbers are changed.
+/// [`TreeError`] if its numbers are changed to invalid numbers.
 pub fn arm() -> Result<Tree<JOINTS>, TreeError> {
     let inertia = Inertia::of_box(0.2, Vec3::Y * 0.05, Vec3::new(0.04, 0.1, 0.04));
     let link = |i: usize| Body::revolute(None, [Vec3::Y, Vec3::X][i % 2], Vec3::Y * 0.1, inertia);
     Tree::serial_chain(&[0, 1, 2, 3, 4, 5].map(link))
 }
 
-/// Its controller.
+/// Returns the arm's controller.
 ///
 /// # Errors
-/// If the stiffness is none.
+/// [`JointControllerError`] if the stiffness is negative or not finite.
 pub fn controller(
     arm: Tree<JOINTS>,
     kp: f32,
@@ -29,10 +30,10 @@ pub fn controller(
     JointController::new(arm, kp, &[2.0; JOINTS])
 }
 
-/// What a board's loop does: torques in N m, from where the joints should be and what their encoders say.
+/// Returns the torques of a tick, in N m, as the loop of a board would.
 ///
 /// # Errors
-/// If a number is none: the servos must be held safe.
+/// [`JointTickError`] if a number is invalid. The caller must then hold the servos safe.
 pub fn tick(
     controller: &mut JointController<JOINTS>,
     target_rad: &[f32; JOINTS],
@@ -44,14 +45,14 @@ pub fn tick(
     Ok(torques_nm)
 }
 
-/// The torques in N m that hold the arm.
+/// Returns the torques in N m that hold the arm.
 ///
 /// # Errors
-/// If a number is none.
+/// [`CoordinatesError`] if a number is invalid.
 pub fn holding(
     arm: &Tree<JOINTS>,
     q_rad: &[f32; JOINTS],
-) -> Result<[f32; JOINTS], sinew_core::coordinates::CoordinatesError> {
+) -> Result<[f32; JOINTS], CoordinatesError> {
     let mut torques_nm = [0.0; JOINTS];
     arm.gravity(q_rad, &mut torques_nm)?;
     Ok(torques_nm)
@@ -72,7 +73,6 @@ mod tests {
         }
     }
 
-    /// As large as a host's trees, without a feature that asks for it.
     #[test]
     fn a_tree_has_room_for_256_bodies() {
         let link = Body::revolute(None, Vec3::X, Vec3::Y * 0.01, Inertia::default());
