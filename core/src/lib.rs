@@ -141,8 +141,8 @@
 //! - `control`, `controller`: gains, laws and limits; the tick from targets and measurements to torques.
 //! - `chain`: constructors of bodies by the kind of their joint, and of trees that are one chain.
 //! - `coordinates/`, `joint_controller`: states, efforts and dynamics as slices of numbers; a tick of them.
-//! - `supply`, `observer`: the limit of the sum of all torques; filtered sensors, learned disturbances, and a prediction
-//!   over the delay.
+//! - `supply`, `observer`: the limit of the sum of all torques; filtered sensors, learned disturbances, and a
+//!   prediction over the delay.
 //! - `tracker/`: the whole tick in one call: frames (`frames`) to targets (`desired`), readings to states
 //!   (`estimate`).
 //! - `prelude`: the names that a first program needs.

@@ -83,8 +83,8 @@ impl Body {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tree<const N: usize> {
     bodies: Vec<Body, N>,
-    /// Bodies that have children. The other sets follow from the parents on demand: stored for each body, the sets would
-    /// be a third of the tree.
+    /// Bodies that have children. The other sets follow from the parents on demand: stored for each body, the sets
+    /// would be a third of the tree.
     inner: BodySet,
     shape: u32,
 }

@@ -27,11 +27,11 @@ impl<const N: usize> Tree<N> {
     /// Writes the efforts `tau` that make the accelerations `qdd` in the state `q`, `qd`:
     /// `tau = H(q) qdd + C(q, qd) + G(q)`. O(n).
     ///
-    /// Uses the recursive Newton-Euler algorithm: see [`dynamics::inverse_dynamics`](crate::dynamics::inverse_dynamics).
+    /// Uses recursive Newton-Euler: see [`dynamics::inverse_dynamics`](crate::dynamics::inverse_dynamics).
     ///
     /// # Errors
-    /// [`CoordinatesError`], and nothing is written, if a slice does not fit the tree, a number is outside -1e6 to 1e6
-    /// or NaN, or a quaternion is not unit.
+    /// [`CoordinatesError`], and nothing is written, if a slice does not fit the tree, a number is NaN or outside -1e6
+    /// to 1e6, or a quaternion is not unit.
     ///
     /// ```
     /// use sinew_core::{Body, Inertia, Tree, glam::Vec3};
@@ -96,8 +96,8 @@ impl<const N: usize> Tree<N> {
         self.under_gravity(GRAVITY_M_S2).gravity(q, tau)
     }
 
-    /// Writes the joint-space mass matrix `H(q)`, in full, row by row (`H` is symmetric to the last bit): nv² numbers in
-    /// kg m² between turns, kg between slides, kg m between turns and slides. O(n · depth + nv²).
+    /// Writes the joint-space mass matrix `H(q)`, in full, row by row (`H` is symmetric to the last bit): nv² numbers
+    /// in kg m² between turns, kg between slides, kg m between turns and slides. O(n · depth + nv²).
     ///
     /// Uses the composite-rigid-body algorithm: see [`dynamics::mass_matrix`](crate::dynamics::mass_matrix).
     ///

@@ -1,5 +1,5 @@
-//! Tests of the crate's public interface: the first example, the README, dynamics in coordinates, and stored settings and
-//! states.
+//! Tests of the crate's public interface: the first example, the README, dynamics in coordinates, and stored settings
+//! and states.
 
 mod dynamics;
 mod first_torque;
