@@ -295,7 +295,7 @@ pub fn aligned_targets<const N: usize>(
 /// let frames = [0.0, 1.0, 3.0].map(|x| [Transform::from_translation(Vec3::X * x)]);
 /// let mut targets = JointTargets::rest(&tree);
 /// live_targets(frames.each_ref().map(|frame| &frame[..]), 1.0, &mut targets)?;
-/// State at the last frame, with the velocity that led to it.
+/// // State at the last frame, with the velocity that led to it.
 /// let state = targets.states()[0];
 /// assert_eq!((state.pose.translation_m.x, state.velocity.linear.x), (3.0, 2.0));
 /// assert_eq!(targets.accelerations()[0].linear.x, 1.0);
