@@ -50,7 +50,7 @@ pub(super) const OF_SERVO: [&str; 3] = ["current", "temperature", "voltage"];
 ///
 /// The end of a Parquet file says what is where, so a file without it is lost. That end stands here between the parts,
 /// too, where readers look over it: what was cut off is whole up to the last one. Each end has the checksum of all that
-/// is before it and of itself: see [`super::checksum`].
+/// is before it and of itself: see `checksum.rs`.
 pub struct Recorder {
     writer: SerializedFileWriter<Summed<BufWriter<Pending>>>,
     kept: Vec<KeyValue>,
