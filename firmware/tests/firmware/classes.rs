@@ -111,7 +111,7 @@ fn a_voltage_drive_gives_what_drives_the_current_and_holds_against_the_back_emf(
         Condition { supply_v, ..condition }
     };
     let settled = (0..100).map(|_| drive.command(&target, &turning(-2.0, None))).last().unwrap();
-    // As with the current drive, 0.15 A through 4 ohm; plus 0.5 V s/rad at -2 rad/s; divided by 10 V.
+    // 0.15 A, the current drive's result, through 4 ohm; plus 0.5 V s/rad at -2 rad/s; divided by 10 V.
     assert!((part(settled.command) - (0.6 - 1.0) / 10.0).abs() < 2e-5, "{settled:?}");
     assert_eq!(settled.limit, None);
     // The motor itself corrects a lower speed. A reported supply voltage is used; an impossible one is not.

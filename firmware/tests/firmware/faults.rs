@@ -39,7 +39,7 @@ fn numbers_are_never_changed() {
     for fault in Fault::ALL {
         assert!(FaultSet::of(fault).iter().eq([fault]));
     }
-    // The same applies to the numbers of states, which are stored with faults.
+    // The numbers of states must not change either: they are stored with faults.
     let states = [
         "off",
         "limp",

@@ -211,7 +211,7 @@ fn comes_to_rest(test_rig: &mut TestRig, fault: Fault) {
         test_rig.tick(None);
     }
     assert_eq!(test_rig.state(), State::Lowering, "{fault}");
-    // As close as a following error allows that is not a fault.
+    // The tolerance is a following error that is not yet a fault.
     for (at, home) in at_rest.iter().zip(&figure(test_rig.kind).home) {
         assert!((f64::from(*at) - home).abs() < 15_f64.to_radians(), "{fault}: {at} of {home}");
     }

@@ -100,7 +100,7 @@ impl Plant for AtRest<'_> {
 pub(crate) struct Rest {
     /// Distance of the joint from its target, rad.
     pub(crate) error_rad: f64,
-    /// The same distance without friction and steps, rad: the offset of the goal by the rig's model, minus the
+    /// Distance from the target without friction and steps, rad: the offset of the goal by the rig's model, minus the
     /// deflection of the rig as built.
     pub(crate) smooth_rad: f64,
     /// Maximum deviation that friction and the steps of encoder and goal can explain, rad.

@@ -138,7 +138,7 @@ fn an_upload_is_old_or_new() {
     let next = show(KIND, 1, true);
     let show_item = item(ItemKind::Show, &next, crc);
     cut_everywhere(&base(), |world| _ = world.upload(&show_item, &next));
-    // The same rig, approved by another person.
+    // An upload of the stored rig, approved by another person.
     let mut rig_item = item(ItemKind::Rig, &bytes, 0);
     rig_item.approver = "Grace, rigger".try_into().unwrap();
     cut_everywhere(&base(), |world| _ = world.upload(&rig_item, &bytes));

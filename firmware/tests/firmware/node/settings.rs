@@ -42,7 +42,7 @@ fn what_the_next_start_would_refuse_is_refused_at_once() {
         assert!(key == 13 && least_s >= tick_s, "{least_s}");
         // The time-out for a lost link must be longer than that for a late link.
         assert_eq!(bounds(&world.ask(write(1, 2.0)), 2.0), (2, [2.01, 60.0]));
-        // The same error is found when all settings are uploaded together.
+        // An upload of all settings together finds this error, too.
         let mut bytes = settings(kind).bytes();
         // Each setting has a key of two bytes and a value of four; they are in order, from key 1.
         let at = 12 * 6 + 2;
