@@ -126,7 +126,6 @@ fn after_a_stop_the_first_pulses_are_the_last_ones() {
 
     // Repeats the test in the middle of a movement. A count of the chip is 4.9 us, and positions on the path are not
     // whole counts.
-    // whole counts.
     test_rig.live = Live(Some(face.dofs().iter().map(|dof| dof.home).collect()));
     test_rig.tick(Some(Command::Play(Feed::Live)));
     let on_the_way = (0..500).find_map(|_| {
