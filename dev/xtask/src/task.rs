@@ -1,4 +1,4 @@
-//! The command line: its help, and the task that it asks for.
+//! The command line: its help, and its tasks.
 
 pub(crate) const HELP: &str = "\
 Developer commands of Sinew
@@ -47,17 +47,17 @@ Environment:
               A folder with the script, robots and results that `retargeting` needs
 ";
 
-/// A task of a developer.
+/// A task for a developer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Task<'a> {
     Help,
     Setup,
-    /// The gate, or everything.
+    /// The gate, or all checks.
     Test {
         all: bool,
     },
     Soak,
-    /// All boards, or the one of that name.
+    /// All boards, or the board with a name.
     Firmware {
         board: Option<&'a str>,
     },

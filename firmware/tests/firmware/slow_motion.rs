@@ -16,7 +16,7 @@ use sinew_servo_bus::feetech::{self, Family};
 use sinew_servo_bus::{Command, Schedule, ServoBus, Timing as BusTiming};
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::device::{MEMORY_LEN, Servo};
-use sinew_servo_sim::load::{Arm, Plant, Shaft};
+use sinew_servo_sim::load::{Arm, Plant, Push, Shaft};
 use sinew_servo_sim::model::Parameters;
 use sinew_servo_sim::supply::Supply;
 
@@ -51,9 +51,9 @@ impl Plant for Watched {
         self.arm
     }
 
-    fn step(&mut self, _: f64, torques_nm: &[f64], shafts: &mut [Shaft]) {
+    fn step(&mut self, _: f64, pushes: &[Push], shafts: &mut [Shaft]) {
         self.shafts.push(shafts[0]);
-        self.torques_nm.push(torques_nm[0]);
+        self.torques_nm.push(pushes[0].torque_nm);
     }
 }
 

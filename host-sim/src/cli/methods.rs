@@ -10,9 +10,9 @@ use sinew_host_util::command::note;
 /// A method, or all of them.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum MethodArg {
-    /// All that need no reference.
+    /// All methods that need no reference.
     All,
-    /// One.
+    /// A single method.
     One(MethodName),
 }
 
@@ -40,7 +40,7 @@ impl ValueEnum for MethodArg {
     }
 }
 
-/// The methods that are named.
+/// Returns the methods that the arguments name.
 pub(super) fn methods(args: &[MethodArg]) -> Vec<MethodName> {
     let named = |arg: &MethodArg| match arg {
         MethodArg::One(method) => vec![*method],
@@ -49,7 +49,8 @@ pub(super) fn methods(args: &[MethodArg]) -> Vec<MethodName> {
     args.iter().flat_map(named).collect()
 }
 
-/// Refuses a setting that the only method has of its own; of several methods, says which one keeps its own.
+/// Refuses a setting that a method fixes itself, if it is the only method. With several methods, names the method
+/// that ignores the setting.
 pub(super) fn check_fixed(setup: &Setup, methods: &[MethodName]) -> anyhow::Result<()> {
     for method in methods {
         let mut of_method = setup.clone();

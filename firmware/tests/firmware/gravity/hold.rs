@@ -9,7 +9,7 @@ use sinew_servo_bus::feetech::{self, Family};
 use sinew_servo_bus::{Command, Schedule, ServoBus, Timing as BusTiming};
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::device::{MEMORY_LEN, Servo};
-use sinew_servo_sim::load::{Load, Plant, Shaft};
+use sinew_servo_sim::load::{Load, Plant, Push, Shaft};
 use sinew_servo_sim::model::Parameters;
 use sinew_servo_sim::supply::Supply;
 
@@ -83,7 +83,7 @@ impl Plant for AtRest<'_> {
         self.held[servo]
     }
 
-    fn step(&mut self, _: f64, _: &[f64], shafts: &mut [Shaft]) {
+    fn step(&mut self, _: f64, _: &[Push], shafts: &mut [Shaft]) {
         for (place, shaft) in self.figure.places.iter().zip(shafts) {
             self.q[*place] = (shaft.position_rad - std::f64::consts::PI) as f32;
         }

@@ -1,4 +1,4 @@
-//! `sinew play --target sim`: a show on simulated servos, under the controller in this program.
+//! `sinew play --target sim`: plays a show on simulated servos, with the controller in this program.
 
 use std::io::{self, IsTerminal as _};
 use std::process::ExitCode;
@@ -65,7 +65,7 @@ impl Args {
             recorder.end().with_context(of_record)?;
             note(format_args!("wrote {}", of_record()));
         }
-        // Of a rig that was never armed there is nothing to tell but why.
+        // If the rig was never armed, only the reason is printed.
         if tally.ticks() > 0 || !matches!(ended, Some(Ended::Refused(_))) {
             print(&tally.table(&sim, director.raised()))?;
         }

@@ -1,4 +1,4 @@
-//! Human figures are searched; what cannot be searched or blended is said.
+//! Search with human figures, and messages for clips that cannot be searched or blended.
 
 use std::fs;
 use std::path::Path;
@@ -10,7 +10,7 @@ use crate::common::{sinew_in, text};
 fn a_moment_is_found_where_it_is_and_the_same_with_every_means() {
     let folder = tempfile::tempdir().expect("a folder");
     let names = clips(folder.path(), 3);
-    // The query is a copy: the clip itself counts.
+    // The query is a copy, so the clip itself counts.
     let query = folder.path().join("query.bvh");
     fs::copy(folder.path().join("clips").join(format!("{}.bvh", names[1])), query).expect("a copy");
     for (like, start_s, unit) in
@@ -168,7 +168,7 @@ fn damaged_files_are_left_out_of_folders() {
         assert_eq!(strict.status.code(), Some(2), "{words:?}: {said}");
         assert!(said.contains("error: clips/cut.bvh"), "{words:?}: {said}");
     }
-    // Where nothing can be used, the first says why.
+    // If no file can be used, the error is that of the first.
     for name in &names {
         fs::remove_file(file(&format!("{name}.bvh"))).expect("a file");
     }
@@ -287,7 +287,7 @@ fn cmu_is_searched_exactly_and_mostly_spared() {
             ["clip", "find", &folder_of_clips, "--like", &like, "--rate-hz", "12", "--check"];
         let (found, told) = json(folder.path(), &arguments);
         assert!(told.contains("checked: the same moments"), "{told}");
-        // The files of 31 joints; the others are of other skeletons.
+        // Clips with 31 joints are searched; the others have other skeletons.
         assert_eq!((&found["clips"], &found["left_out"]), (&175.into(), &81.into()));
         let computed = found["computed"].as_f64().unwrap();
         let spared = 1.0 - computed / found["distances"].as_f64().unwrap();

@@ -1,4 +1,4 @@
-//! Shows that go round.
+//! Tests of looping shows.
 
 use sinew_show::Show;
 
@@ -22,7 +22,7 @@ fn a_fitted_loop_keeps_all_limits_over_its_seam() {
     assert!(show.is_loop());
     // A cue at the end is still within the round.
     assert!(show.cues().next().unwrap().sample < show.length(), "{report}");
-    // It looks on behind the end.
+    // This check also looks past the end.
     independent::exceeds_nothing(&super::mechanism(&rig), &bytes);
 }
 

@@ -1,4 +1,4 @@
-//! A simulated board in real time, on a serial port of this machine.
+//! Serves a simulated board in real time, on a serial port of this machine.
 
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,16 +9,17 @@ use sinew_servo_sim::port::Port;
 
 use super::SimulatedBoard;
 
-/// What the machine is late by beyond this is taken out of the board's time, not made good.
+/// A longer delay of the machine is removed from the board's time instead of being made up.
 const CATCH_UP: Duration = Duration::from_millis(50);
-/// What programs do not read in time is lost beyond this, bytes.
+/// Longest output that waits for a program to read it, bytes. Further output is lost.
 const ROOM: usize = 1 << 16;
 
 impl<P: Plant> SimulatedBoard<'_, P> {
-    /// Serves programs at a port in real time until `stop` is true. `before`: what happens to the rig before each tick.
+    /// Serves programs at a port in real time until `stop` is true. `before` is called before each tick, to act on
+    /// the rig.
     ///
     /// # Errors
-    /// What the system says if reading or writing fails.
+    /// An I/O error of reading or writing.
     pub fn serve(
         &mut self,
         port: &Port,

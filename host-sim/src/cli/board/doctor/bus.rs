@@ -1,4 +1,4 @@
-//! A board's servos, asked through it.
+//! Checks of a board's servos, through the board.
 
 use std::time::Duration;
 
@@ -11,14 +11,14 @@ use super::findings::Findings;
 use super::findings::Verdict::{Doubtful, Ok as Well, Wrong};
 use crate::cli::board::PortBoard;
 
-/// Questions to each servo at its own rate.
+/// Number of questions to each servo at its own rate.
 const QUESTIONS: u32 = 20;
-/// One question, and an answer within this time.
+/// Settings for a single question, with an answer within this time.
 const ONCE: Settings = Settings { patience: Duration::from_millis(3), tries: 1 };
-/// An answer later than this makes ticks long. The factory's delay of a Dynamixel is 0.5 ms.
+/// Longest answer time that is good. A later answer makes ticks long. A Dynamixel's factory delay is 0.5 ms.
 const LATE: Duration = Duration::from_micros(1500);
 
-/// Asks all servos of all lines.
+/// Checks all servos on all bus lines.
 pub(super) fn look(
     mut board: PortBoard,
     parts: &RigParts,
@@ -63,7 +63,7 @@ fn of_line(
                 Err(ServiceError::Passing(why)) => return Err(why.into()),
                 Err(_) => misses += 1,
             }
-            // Nobody is there: it is not asked for long.
+            // A silent servo is not asked 20 times.
             if misses > 2 && times.is_empty() {
                 break;
             }

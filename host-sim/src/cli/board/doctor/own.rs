@@ -1,4 +1,4 @@
-//! What a board says of itself.
+//! Checks of a board by its own reports.
 
 use std::time::Duration;
 
@@ -13,16 +13,16 @@ use super::findings::Verdict::{Doubtful, Ok as Well, Wrong};
 use crate::cli::board::text::fault_text;
 use crate::cli::board::{PortBoard, cycles, named, remedy};
 
-/// For so long it is listened to.
+/// Time for which telemetry is collected.
 const LISTEN: Duration = Duration::from_secs(2);
-/// More of the period than this is much jitter.
+/// Largest jitter that is good, as a share of the period.
 const JITTER: f64 = 0.05;
-/// Less of the stack than this is little, bytes.
+/// Smallest free stack that is good, bytes.
 const STACK: u32 = 1024;
-/// The supply may be this far from the rig's.
+/// Largest good difference of the supply from the rig's voltage, as a share.
 const SUPPLY: f32 = 0.1;
 
-/// Looks; whether packets may be passed on to its servos.
+/// Checks the board. Returns whether packets may be passed on to its servos.
 pub(super) fn look(
     board: &mut PortBoard,
     parts: Option<&RigParts>,
@@ -81,7 +81,7 @@ pub(super) fn look(
     Ok(is_limp && board.needs(1).is_ok())
 }
 
-/// The CRC by which a board names a rig.
+/// Returns the CRC by which a board identifies a rig.
 fn crc(parts: &RigParts) -> Option<u32> {
     let bytes = parts.compact_rig().ok()?;
     bytes.last_chunk().map(|crc| u32::from_le_bytes(*crc))
@@ -179,7 +179,7 @@ fn health(
     parts: Option<&RigParts>,
     findings: &mut Findings,
 ) -> anyhow::Result<()> {
-    // What was counted before belongs to other work.
+    // Discards counts from before this check.
     cycles::read(board)?;
     board.run(LISTEN)?;
     let Some(health) = cycles::read(board)? else { return Ok(()) };
