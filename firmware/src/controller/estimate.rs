@@ -11,7 +11,7 @@ pub const TICK_CYCLES: [u32; 2] = [21_000, 15_900];
 /// emulated F446, 186 for 20 servos in QEMU.
 const SMALL_PERCENT: u64 = 210;
 
-/// Returns the computation time of a tick, without the bus, µs. It follows from [`TICK_CYCLES`], [`SMALL_PERCENT`]
+/// Returns the computation time of a tick, without the bus, µs. It follows from [`TICK_CYCLES`], `SMALL_PERCENT`
 /// and the processor's clock, Hz. O(1).
 ///
 /// This is an estimate: a board measures its own time. `ControllerSettings::compute_us` should be at least as large.

@@ -18,9 +18,9 @@ const STANDING_SHARE: f32 = 0.6;
 const LEAST_SHARE: f32 = 0.03;
 /// Maximum of a value, as a multiple of the minimum for a swing, so that a single jerk does not count as a swing.
 const MOST: f32 = 2.0;
-/// Part of the minimum mean square below which the swing has ended, after [`CALM_S`].
+/// Part of the minimum mean square below which the swing has ended, after `CALM_S`.
 const CALM: f32 = 0.25;
-/// Time below [`CALM`] after which the swing has ended, s.
+/// Time below `CALM` after which the swing has ended, s.
 const CALM_S: f32 = 5.0;
 /// Part of the minimum mean square below which only the error is computed.
 const FAINT: f32 = 0.05;
