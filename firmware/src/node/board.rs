@@ -54,7 +54,7 @@ pub trait Port<'a> {
     /// Sends bytes to the host, as many as there is room for, and returns their number. Does not wait.
     fn send(&mut self, bytes: &[u8]) -> usize;
 
-    /// Passes a range of flash to `look`, which must not keep it. Returns `None` if flash is not readable as memory.
+    /// Calls `look` with a range of flash. Returns `None` if flash is not readable as memory.
     fn look<R>(&mut self, range: Range<u32>, look: impl FnOnce(&[u8]) -> R) -> Option<R>;
 
     /// Returns a range of flash as memory, to be read in place as long as the board runs, or `None` if that is not
