@@ -239,7 +239,7 @@ pub(super) fn rig_error(error: &BoardRigError) -> Refusal {
 /// Returns an error of a show as its number: the order in `ShowError`, from 1.
 pub(super) fn show_error(error: &ShowError) -> Refusal {
     use ShowError::{
-        Block, Broken, Capacity, Checksum, Field, Joint, Joints, Length, Magic, Rig, Version,
+        Block, Broken, Capacity, Checksum, Field, Joint, Joints, Length, Magic, Range, Rig, Version,
     };
     Refusal::Content(match *error {
         Rig { show, here } => return Refusal::OtherRig { show, rig: here },
@@ -253,6 +253,7 @@ pub(super) fn show_error(error: &ShowError) -> Refusal {
         Capacity { .. } => 8,
         Joints { .. } => 10,
         Joint { .. } => 11,
+        Range { .. } => 12,
         _ => 0,
     })
 }
