@@ -87,6 +87,17 @@ pub enum ShowError {
         /// Kind of the joint in the rig.
         here: Joint,
     },
+    /// The first pose is beyond a range of the rig, which would never reach it.
+    Range {
+        /// Index of the dof.
+        dof: usize,
+        /// Position of the dof in the first pose, rad or m.
+        found: f32,
+        /// Least position that the rig has, rad or m.
+        least: f32,
+        /// Greatest position that the rig has, rad or m.
+        most: f32,
+    },
 }
 
 impl fmt::Display for ShowError {
@@ -133,6 +144,11 @@ impl fmt::Display for ShowError {
             Self::Joint { index, show, here } => {
                 write!(f, "joint {index} is {show} in the show, {here} in the rig")
             }
+            Self::Range { dof, found, least, most } => write!(
+                f,
+                "the show begins with dof {dof} at {found:.3}, beyond its range of {least:.3} to {most:.3} (rad or m): \
+                 bake it again for this rig"
+            ),
         }
     }
 }
