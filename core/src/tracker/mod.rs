@@ -196,7 +196,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     /// [`Bandwidth`](crate::bandwidth::Bandwidth). O(n).
     ///
     /// # Errors
-    /// [`TrackerError::Observer`], and nothing is changed, as [`Observer::set_bandwidths`].
+    /// [`TrackerError::Observer`], and nothing is changed. [`Observer`](crate::observer::Observer) names the limits.
     pub fn set_bandwidths(&mut self, rad_s: &[f32]) -> Result<(), TrackerError> {
         Ok(self.estimate.observer_mut().set_bandwidths(rad_s)?)
     }

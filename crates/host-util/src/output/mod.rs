@@ -30,7 +30,7 @@ pub fn write(path: &Path, bytes: impl AsRef<[u8]>) -> anyhow::Result<()> {
 /// not tried. Tells what a program that was ended has left beside.
 ///
 /// # Errors
-/// As of [`write`].
+/// As of [`write()`].
 pub fn try_to_write(path: &Path) -> anyhow::Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     if folder.is_some_and(|folder| !folder.is_dir()) {

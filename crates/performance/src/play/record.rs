@@ -50,7 +50,7 @@ pub(super) const OF_SERVO: [&str; 3] = ["current", "temperature", "voltage"];
 ///
 /// The end of a Parquet file is its index, so a file without an end is lost. Therefore an end is also written between
 /// the parts, where readers ignore it: if a file is cut off, its data is readable up to the last end. Each end has
-/// the checksum of all bytes before it and of itself: see [`super::checksum`].
+/// the checksum of all bytes before it and of itself: see `checksum.rs`.
 pub struct Recorder {
     writer: SerializedFileWriter<Summed<BufWriter<Pending>>>,
     kept: Vec<KeyValue>,
