@@ -49,7 +49,7 @@ fn one_file_is_known_by_all_its_names() {
     assert!(distinct(&[&at("a"), &at("more/c")], &[]).is_err());
 }
 
-/// Names in a folder, without our own.
+/// Lists the names in a folder, without this program's own files.
 fn listed(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).unwrap();
     let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
@@ -72,7 +72,7 @@ fn a_folder_has_the_results_of_one_run() {
     };
     run("mds", &["mds.txt"]).finish().unwrap();
     run("evaluate", &["table.txt", "ratios-x1.1.png"]).finish().unwrap();
-    // Stopped before its end: all is as it was.
+    // A run that stops before its end changes nothing.
     drop(run("evaluate", &["table.txt", "other.png"]));
     assert_eq!(listed(place), ["mds.txt", "mine.txt", "ratios-x1.1.png", "table.txt"]);
     let files = run("evaluate", &["table.txt", "ratios-x1.png"]).finish().unwrap();
@@ -122,7 +122,7 @@ fn what_dead_programs_left_is_removed_or_told() {
     ] {
         fs::write(at(name), "half").unwrap();
     }
-    // One that lives holds its lock.
+    // A running program holds its lock.
     let alive = fs::File::create(at(".a.78-0.new.part")).unwrap();
     alive.try_lock().unwrap();
     write(&at("a"), "whole").unwrap();
