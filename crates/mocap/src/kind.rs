@@ -1,29 +1,29 @@
-//! What a file is, for who took it for something else: in words, with the commands that take it.
+//! Kinds of files in words, with the commands that accept them, for messages about a wrong file.
 
 use std::fmt;
 use std::path::Path;
 
 use crate::encoding;
 
-/// A kind of file that people have in their hands.
+/// A kind of file that users may have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Kind {
     /// Biovision Hierarchy: a skeleton and its motion.
     Bvh,
-    /// Acclaim's skeleton.
+    /// An Acclaim skeleton.
     Asf,
-    /// Acclaim's motion.
+    /// An Acclaim motion.
     Amc,
-    /// `DeepMimic`'s motion.
+    /// A `DeepMimic` motion.
     DeepMimic,
-    /// glTF, GLB or VRM: a character.
+    /// A character in glTF, GLB or VRM.
     Gltf,
     /// The character of the Geno files.
     Geno,
     /// Autodesk's interchange format.
     Fbx,
-    /// Markers.
+    /// A C3D file with markers.
     C3d,
     /// A robot of ROS, also as `xacro`.
     Urdf,
@@ -31,19 +31,19 @@ pub enum Kind {
     Mjcf,
     /// Another XML file.
     Xml,
-    /// A rig.toml.
+    /// A `rig.toml` file.
     Rig,
-    /// A mapping on a rig.
+    /// A mapping onto a rig.
     RigMapping,
-    /// A mapping on the figure.
+    /// A mapping onto the figure.
     FigureMapping,
-    /// A grid of setups.
+    /// A sweep: a grid of setups to evaluate.
     Sweep,
     /// Another TOML file.
     Toml,
     /// A baked show.
     Show,
-    /// A table in Parquet: recordings, and sweeps' results.
+    /// A table in Parquet: recordings, or results of sweeps.
     Parquet,
     /// A picture.
     Picture,
@@ -53,11 +53,11 @@ pub enum Kind {
     Json,
 }
 
-/// The longest beginning of a text that is looked at, bytes: comments come first.
+/// Maximum number of bytes of a text that are examined; they include comments at its beginning.
 const LOOKED_AT: usize = 1 << 16;
 
 impl Kind {
-    /// What a file is: by its content where that tells, else by its name. `None` if neither does.
+    /// Returns the kind of a file: from its content, otherwise from its name; `None` if neither shows it.
     pub fn of(path: &Path, bytes: &[u8]) -> Option<Self> {
         Self::of_magic(bytes).or_else(|| {
             let text = encoding::lossy(&bytes[..bytes.len().min(LOOKED_AT)]);
@@ -66,7 +66,7 @@ impl Kind {
         })
     }
 
-    /// What was found, for messages.
+    /// Returns a description of the kind, for messages.
     pub fn found(kind: Option<Self>) -> String {
         kind.map_or_else(|| "another kind of file".to_owned(), |kind| kind.to_string())
     }
@@ -84,7 +84,7 @@ impl Kind {
         MAGIC.iter().find(|(magic, _)| bytes.starts_with(magic)).map(|(_, kind)| *kind)
     }
 
-    /// By how a text begins.
+    /// Recognizes a text by its beginning.
     fn of_text(text: &str) -> Option<Self> {
         let start: String = text.chars().take(64).collect::<String>().to_ascii_lowercase();
         let has = |word: &str| text.contains(word);
@@ -96,7 +96,7 @@ impl Kind {
         }
         if start.starts_with('<') {
             let kinds = [("<mujoco", Self::Mjcf), ("<robot", Self::Urdf), ("<svg", Self::Picture)];
-            // The first of them: a URDF may have words for MuJoCo in it.
+            // The first element decides, because a URDF may contain elements for MuJoCo.
             let known = kinds
                 .into_iter()
                 .filter_map(|(element, kind)| Some((text.find(element)?, kind)))
@@ -115,7 +115,7 @@ impl Kind {
         None
     }
 
-    /// By the name, and of TOML by the tables that only one kind has.
+    /// Recognizes a file by its name and, for TOML, by tables that only one kind has.
     fn of_name(path: &Path, text: &str) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
         Some(match extension.as_str() {
@@ -152,7 +152,7 @@ impl Kind {
     }
 }
 
-/// With the article, and what takes it.
+/// Shows the kind with its article, and the commands that accept it.
 impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {

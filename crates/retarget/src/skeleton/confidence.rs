@@ -1,4 +1,4 @@
-//! How sure each landmark is, and why it is no surer.
+//! Confidence of each landmark, with the reason why it is not higher.
 
 use std::collections::BTreeMap;
 
@@ -11,17 +11,17 @@ use super::pair::Pair;
 use super::trunk::{Trunk, toe};
 use crate::{Landmark, Side};
 
-/// Nothing of an animal is surer than this.
+/// Maximum confidence of an animal's landmarks.
 const QUADRUPED_MAX: f64 = 0.4;
-/// A human's trunk is this much in line with the legs, as a cosine, in some pose of every clip.
+/// Minimum cosine between a human's trunk and legs, which is reached in some pose of every clip.
 const UPRIGHT: f64 = 0.7;
-/// Evidence above this needs no word.
+/// Evidence above this value needs no explanation.
 const AGREES: f64 = 0.9;
 
-/// One kind of evidence: what it weighs, how far it speaks for the joint (0 to 1), and what to say if it does not.
+/// One kind of evidence: its weight, its support for the joint (0 to 1), and the text if the support is low.
 type Evidence = (f64, f64, String);
 
-/// Weighs the evidence.
+/// Weighs the evidence for each landmark.
 pub(super) struct Judge<'a> {
     body: &'a Body<'a>,
     legs: &'a Result<Pair, String>,
@@ -42,7 +42,7 @@ impl<'a> Judge<'a> {
         let stands = stance.directions.is_some_and(|at| at.upright > UPRIGHT);
         let speaks = |joint: &usize| {
             let name = &body.names[*joint];
-            // Costumes have tails and wings too: on a body that stands.
+            // Costumes have tails and wings too, on a body that stands.
             name.quadruped || name.kind == Kind::Animal && !stands
         };
         let quadruped = match (0..body.count()).find(speaks) {
@@ -55,7 +55,7 @@ impl<'a> Judge<'a> {
         Self { body, legs, arms, trunk, stance, quadruped }
     }
 
-    /// What was found, and why the rest was not.
+    /// Returns the landmarks that were found, and for each other landmark the reason.
     pub(super) fn landmarks(&self) -> (BTreeMap<Landmark, Found>, BTreeMap<Landmark, String>) {
         let (mut found, mut missing) = (BTreeMap::new(), BTreeMap::new());
         for landmark in Landmark::ALL {
@@ -67,7 +67,7 @@ impl<'a> Judge<'a> {
         (found, missing)
     }
 
-    /// What is to be said of the whole.
+    /// Returns findings about the skeleton as a whole.
     pub(super) fn findings(&self) -> Vec<String> {
         let mut findings: Vec<String> = self.quadruped.iter().cloned().collect();
         if self.sides_contradict() {
@@ -215,7 +215,7 @@ impl<'a> Judge<'a> {
                 format!("the name `{spelled}` says {}, the tree {}", other.words(), part.words()),
             )
         } else if let Some(other) = name.best() {
-            // It counts for more than silence.
+            // A contradicting name weighs more than a missing one.
             (
                 0.8,
                 0.0,
@@ -245,7 +245,7 @@ impl<'a> Judge<'a> {
         sided && self.stance.faces.is_some_and(|faces| faces < -0.3)
     }
 
-    /// The mean of the evidence, with the words of the weakest.
+    /// Returns the weighted mean of the evidence, with the text of the weakest.
     fn weigh(&self, joint: usize, evidence: &[Evidence]) -> Found {
         let sum: f64 = evidence.iter().map(|(weight, value, _)| weight * value).sum();
         let weight: f64 = evidence.iter().map(|(weight, ..)| weight).sum();
@@ -285,7 +285,7 @@ fn by_mirror(pair: &Pair) -> Evidence {
 fn by_lengths(limb: &Limb, kind: LimbKind) -> Evidence {
     let ratio = limb.lengths[1] / limb.lengths[0];
     let off = libm::log(ratio / kind.lower_by_upper()).abs();
-    // A third more or less is within what people and drawn figures have.
+    // A deviation of a third occurs in people and drawn figures.
     let value = (1.3 - off).clamp(0.0, 1.0);
     (
         0.1,

@@ -1,4 +1,4 @@
-//! Servos and their kinds.
+//! Checks servos and their kinds.
 
 use std::collections::HashMap;
 
@@ -7,7 +7,7 @@ use super::part::{Part, Sign, shown};
 use crate::description::error::{DescriptionError, Step};
 use crate::description::{Address, Servo, ServoModel, SourcedValue};
 
-/// Values of a kind that may be zero; a servo whose others are is none.
+/// Values of a kind that may be zero; all others must be positive.
 pub(super) const MAY_BE_ZERO: [&str; 6] = [
     "continuous_torque_nm",
     "position_gain_nm_rad",
@@ -17,10 +17,10 @@ pub(super) const MAY_BE_ZERO: [&str; 6] = [
     "thermal_resistance_k_w",
 ];
 
-/// The coarsest step and the widest play that a servo is believed to have: six times the play of hobby servos.
+/// Largest accepted step and play of a servo, rad: six times the play of hobby servos.
 const COARSEST_RAD: f64 = 0.1;
 
-/// What each place on each bus has.
+/// Name of the servo at each address of each bus.
 pub(super) type Addresses<'a> = HashMap<(&'a str, Address), &'a str>;
 
 pub(super) fn check<'a>(
@@ -67,7 +67,7 @@ fn check_address<'a>(
     servo: &'a Servo,
 ) -> Result<(), DescriptionError> {
     let (key, number, most) = match servo.address {
-        // 253 and 254 are for the bus itself, 255 begins a packet.
+        // 253 and 254 are reserved by the bus, 255 begins a packet.
         Address::Id(id) => ("id", id, 252),
         Address::Channel(channel) => ("channel", channel, 15),
     };
@@ -89,7 +89,7 @@ pub(super) fn check_model(index: usize, model: &ServoModel) -> Result<(), Descri
         ("backlash_rad", model.backlash_rad.value, "from 0", model.backlash_rad.value >= 0.0),
     ];
     for (key, value, least, is_right) in fine {
-        // NaN is neither.
+        // The comparison also refuses NaN.
         if !is_right || value > COARSEST_RAD {
             let at = [Step::Key(key), Step::Key("value")];
             let expected = format!("a number {least}, at most {COARSEST_RAD} rad (5.7 deg)");

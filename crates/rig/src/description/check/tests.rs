@@ -1,4 +1,4 @@
-//! One broken rig for each refusal.
+//! For each refusal, one rig that is invalid in that way.
 
 use super::*;
 use crate::description::{
@@ -49,7 +49,7 @@ fn drive(joint: &str, servo: &str) -> Drive {
     }
 }
 
-/// Joints 0 to 4: hinge, hinge2, slide, cardan, ball, on bodies 1 to 5 in a row; body 0 is the base.
+/// Joints 0 to 4 are hinge, hinge2, slide, cardan and ball, on bodies 1 to 5 in a row; body 0 is the base.
 fn rig() -> Description {
     let kinds = [
         ("hinge", JointType::Revolute),
@@ -94,7 +94,7 @@ fn model(name: &str) -> ServoModel {
     model
 }
 
-/// Path and words of the refusal of a rig that is broken so.
+/// Breaks a valid rig, and asserts path and words of the error.
 #[track_caller]
 fn refused(breaks: impl FnOnce(&mut Description), path: &str, words: &str) {
     let mut rig = rig();
@@ -260,7 +260,7 @@ fn numbers_are_finite_and_of_a_sign_that_can_be() {
     );
 }
 
-/// Each number alone could be one of a servo; together they are none.
+/// Each number alone is possible; together they describe no real servo.
 #[test]
 fn a_kind_that_no_servo_can_be_is_refused() {
     fn value<'a>(rig: &'a mut Description, key: &str) -> &'a mut f64 {
