@@ -72,8 +72,8 @@ impl<'a> Judge<'a> {
         let mut findings: Vec<String> = self.quadruped.iter().cloned().collect();
         if self.sides_contradict() {
             findings.push(
-                "left and right of the names lie on the wrong sides, as toes and knees tell: a mirrored file, or a \
-                 left-handed one"
+                "left and right in the names are on the wrong sides, by the toes and knees: the file is mirrored, or \
+                 left-handed"
                     .to_owned(),
             );
         }
@@ -120,9 +120,7 @@ impl<'a> Judge<'a> {
                 0.7,
                 format!("the {carried} hang on another joint, but the names say this one"),
             ),
-            Err(_) => {
-                (0.5, 0.4, format!("its name says it; no {carried} were found that it carries"))
-            }
+            Err(_) => (0.5, 0.4, format!("only its name shows it; no {carried} were found on it")),
         };
         let both = self.trunk.pelvis == self.trunk.chest;
         let alone =
@@ -142,9 +140,8 @@ impl<'a> Judge<'a> {
             (Part::Neck, Some(head)) => {
                 format!("no joint lies between the chest and the head `{}`", self.body.name(head))
             }
-            _ => {
-                "no joint goes on from the chest between the arms, and none is called so".to_owned()
-            }
+            _ => "no joint continues from the chest between the arms, and none has this name"
+                .to_owned(),
         })?;
         let neck_is_head = part == Part::Head && self.body.names[joint].best() == Some(Part::Neck);
         let name = if neck_is_head {
@@ -236,7 +233,9 @@ impl<'a> Judge<'a> {
             (None, Some(_)) => {
                 (0.15, 0.7, format!("no name says {word}: so by where toes and knees point"))
             }
-            (None, None) => (0.3, 0.0, "neither names nor feet tell left from right".to_owned()),
+            (None, None) => {
+                (0.3, 0.0, "neither names nor feet distinguish left from right".to_owned())
+            }
         }
     }
 

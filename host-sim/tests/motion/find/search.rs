@@ -155,7 +155,8 @@ fn damaged_files_are_left_out_of_folders() {
         let done = sinew_in(folder.path(), &words);
         let said = text(&done.stderr);
         assert!(done.status.success(), "{words:?}: {said}");
-        for (file, why) in [("cut.bvh", "expected"), ("packed.bvh", "found bytes that are no text")]
+        for (file, why) in
+            [("cut.bvh", "expected"), ("packed.bvh", "found bytes that are not text")]
         {
             let is_told = |line: &str| {
                 line.starts_with("left out: ") && line.contains(file) && line.contains(why)
