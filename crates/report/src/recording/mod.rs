@@ -179,11 +179,11 @@ fn notes(watch: &Watch, duration_s: f64) -> Vec<String> {
              them.",
             watch.dt_s().recip()
         ),
-        "Error is the command of the tick before less what was measured after it, as the controller compares them."
+        "Error is the command of the previous tick minus the value measured after it, as in the controller."
             .to_owned(),
         "The thin lines on the stage are where the rig was sent.".to_owned(),
-        "Swing is what of the error alternates faster than some 8 times a second, from peak to peak, where it is largest. \
-         It is bold where the controller warned of it."
+        "Swing is the largest peak-to-peak change of the error that alternates faster than about 8 times a second. It \
+         is bold where the controller warned of it."
             .to_owned(),
     ];
     if watch.end_s() < duration_s - 2.0 * watch.dt_s() {

@@ -94,7 +94,7 @@ fn inertia(text: &str) -> Result<f64, String> {
 pub(super) fn run(line: &LineArgs, args: &TapArgs) -> anyhow::Result<ExitCode> {
     let name = || args.rig.display().to_string();
     if let Some(path) = args.output.as_ref().filter(|path| path.exists()) {
-        bail!("{}: is there already", path.display());
+        bail!("{}: exists already", path.display());
     }
     if args.output.is_none() && !args.dry_run {
         try_to_write(&args.rig)?;
