@@ -15,13 +15,13 @@ pub enum Error<E: Debug> {
     #[error("the board's table: {0}")]
     Table(TableError),
     /// What was read back is not what was written, or a sector is not blank after its erase.
-    #[error("flash at {at:#x} does not keep what is written: is the sector worn out?")]
+    #[error("flash at {at:#x} does not store the written data: is the sector worn out?")]
     ReadBack {
         /// Where.
         at: u32,
     },
     /// A place that should be blank, or hold the same, holds something else: what a power cut leaves.
-    #[error("flash at {at:#x} holds what a cut left: begin the upload again")]
+    #[error("flash at {at:#x} holds data that a power cut left incomplete: begin the upload again")]
     Torn {
         /// Where.
         at: u32,
@@ -52,7 +52,7 @@ pub enum Error<E: Debug> {
         len: u32,
     },
     /// There is no such slot.
-    #[error("there is no slot {slot}: slots are 0 to {slots}, less one")]
+    #[error("there is no slot {slot}: there are {slots} slots, numbered from 0")]
     Slot {
         /// Its number.
         slot: usize,
@@ -88,10 +88,10 @@ pub enum Error<E: Debug> {
         len: u32,
     },
     /// The content has another hash than was announced. The upload is dropped.
-    #[error("the content has another SHA-256 than was announced: it is dropped")]
+    #[error("the content has another SHA-256 than was announced: it is discarded")]
     Hash,
     /// The place of this upload was given up since it began.
-    #[error("the place of this upload is gone: begin it again")]
+    #[error("the slot of this upload was given up: begin the upload again")]
     Stale,
     /// The rig is none, or this board does not hold it. The upload is dropped.
     #[error("{0}")]

@@ -73,7 +73,7 @@ fn distances_are_written_for_numpy_whole_or_not_at_all() {
 
     for (more, part) in [
         (&["--out", "a.txt"][..], "--out a.txt: expected a file named *.npy"),
-        (&["--out", "a.npy", "--metric", "angles", "--steps", "5"], "--steps: expected with"),
+        (&["--out", "a.npy", "--metric", "angles", "--steps", "5"], "--steps: expected only with"),
         (&["--out", "/nowhere/a.npy"], "/nowhere: expected a folder that is there"),
     ] {
         let output = study(&[&["distances", "--quick"], more].concat());

@@ -189,7 +189,7 @@ fn of_rig(loaded: &LoadedRig, path: &Path) -> anyhow::Result<Vec<Wanted>> {
     let mut wanted = Vec::new();
     for servo in servos {
         let Some(id) = servo.id() else {
-            note(format_args!("servo {:?} takes pulses: it is left out", servo.name));
+            note(format_args!("servo {:?} is driven by pulses: it is left out", servo.name));
             continue;
         };
         wanted.push(Wanted {

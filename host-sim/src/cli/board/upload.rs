@@ -142,8 +142,8 @@ pub(in crate::cli) fn put_show<L: Line>(
             let shows = board.shows()?;
             let count = shows.iter().flatten().count();
             bail!(
-                "the board has room for {} shows of {} bytes, and holds {count}: `sinew board upload show FILE --replace \
-                 SLOT` deletes one before",
+                "the board has room for {} shows of {} bytes, and holds {count}: `sinew board upload show FILE \
+                 --replace SLOT` deletes one first",
                 shows.len(),
                 board.about().capacities.slot_bytes
             )

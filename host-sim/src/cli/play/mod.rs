@@ -202,7 +202,7 @@ impl Args {
     fn rounds(&self, show: &Show<'_>, is_watched: bool) -> anyhow::Result<Option<u32>> {
         ensure!(
             show.is_loop() || self.rounds.is_none(),
-            "--rounds: {} is no loop: `sinew bake --loop` makes one",
+            "--rounds: {} is not a loop: `sinew bake --loop` makes one",
             self.show
         );
         Ok(self.rounds.or((show.is_loop() && !is_watched).then_some(ROUNDS)))

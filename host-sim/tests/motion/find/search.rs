@@ -236,7 +236,7 @@ fn what_cannot_be_done_is_said() {
         ),
         (
             vec!["clip", "find", "clips", "--like", &pose, "--steps", "5", "--metric", "angles"],
-            "--steps: expected with the metrics line and geodesic",
+            "--steps: expected only with the metrics line and geodesic",
         ),
         (
             vec!["clip", "find", "clips", "--like", &pose, "--picture", "a.jpg"],

@@ -178,7 +178,7 @@ fn what_is_no_recording_is_refused_in_words() {
     for (arguments, part) in [
         (&["report", &rig][..], "found a rig.toml"),
         (&["report", "nothing.parquet"], "nothing.parquet: No such file"),
-        (&["report", &short], "nothing of it is whole"),
+        (&["report", &short], "no part of it is complete"),
         (&["report", &damaged], "is damaged: its checksum"),
         (&["report", &file, "--rig", &other], "it is another rig"),
         (&["report", &file, "-o", &file], "is the recording, which would be lost"),

@@ -28,7 +28,12 @@ pub(super) fn look(
         if line.is_of_pulses() {
             let what = format!("bus {:?}", line.name);
             let count = line.servos.len();
-            findings.add(Well, &what, &format!("{count} servos on pulses: they tell nothing"), "");
+            findings.add(
+                Well,
+                &what,
+                &format!("{count} servos driven by pulses: they report nothing"),
+                "",
+            );
             continue;
         }
         let mut servos = BoardServos::new(board, index)?;
@@ -99,7 +104,7 @@ fn of_line(
     for baud in protocol.bauds().into_iter().filter(|baud| *baud != line.baud) {
         let what = format!("bus {:?} at {baud} baud", line.name);
         if client.set_baud(baud).is_err() {
-            findings.add(Well, &what, "the board does not do this rate", "");
+            findings.add(Well, &what, "the board does not support this rate", "");
             continue;
         }
         let ids: Vec<String> = own()
