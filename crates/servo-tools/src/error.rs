@@ -87,7 +87,7 @@ pub enum ServiceError {
     Packet(#[from] EncodeError),
     /// The servo's model is unknown.
     #[error(
-        "servo {id} says that it is model {number}, which is not in the list. If its registers are those of a known \
+        "servo {id} reports model number {number}, which is not in the list. If its registers are those of a known \
          model, name that one with `--model`, one of: {known}"
     )]
     UnknownModel {

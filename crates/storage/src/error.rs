@@ -138,7 +138,8 @@ pub enum TableError {
     },
     /// Areas begin at multiples of 64 bytes, sectors have multiples of 64, and those of the log hold all faults.
     #[error(
-        "the area at {start:#x} has sectors of {sector_len} bytes: it takes multiples of 64, at least {least}"
+        "the area at {start:#x} has sectors of {sector_len} bytes: sectors must be multiples of 64 bytes, at least \
+         {least}"
     )]
     Sector {
         /// Where the area begins.

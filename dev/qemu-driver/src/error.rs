@@ -70,7 +70,7 @@ pub enum QemuError {
     #[error("the rig cannot be wired to the node in QEMU: {0}")]
     Wiring(String),
     /// A servo is driven by pulses.
-    #[error("servo `{0}` takes pulses: the image was tested with serial lines only")]
+    #[error("servo `{0}` is driven by pulses: the image was tested with serial lines only")]
     Pulses(String),
     /// The node accepted the rig, but its controller refuses it.
     #[error("the node in QEMU took the rig, and its controller refuses it")]

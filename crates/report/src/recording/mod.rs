@@ -165,9 +165,9 @@ fn verdict(joints: &[Joint], watch: &Watch, duration_s: f64) -> String {
     };
     let is_fault = |(_, fault): &&(f64, String)| !fault.starts_with("warning");
     let faults = match watch.faults.iter().filter(is_fault).count() {
-        0 => "no fault came".to_owned(),
-        1 => "one fault came".to_owned(),
-        many => format!("{many} faults came"),
+        0 => "there was no fault".to_owned(),
+        1 => "there was one fault".to_owned(),
+        many => format!("there were {many} faults"),
     };
     format!("{followed}{swinging} In {duration_s:.2} s {faults}.")
 }

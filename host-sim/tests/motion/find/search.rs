@@ -264,7 +264,7 @@ fn what_cannot_be_done_is_said() {
         ),
         (
             vec!["clip", "blend", &pose, &pose, "--output", "no/a.bvh", "--blend-s", "0.1"],
-            "no/a.bvh: cannot be written: expected a folder that is there",
+            "no/a.bvh: cannot be written: expected an existing folder",
         ),
     ] {
         let output = sinew_in(folder.path(), &arguments);

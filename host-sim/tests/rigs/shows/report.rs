@@ -76,7 +76,7 @@ fn a_page_is_written_beside_its_recording() {
     // The mean and largest error that the play printed.
     let [mean, most] = errors(&table, "current");
     let told = format!("were {mean:.2}° from their targets in the mean, and {most:.2}° at most");
-    for part in [&told, "no fault came", "bend2", "lowering", "Limited"] {
+    for part in [&told, "there was no fault", "bend2", "lowering", "Limited"] {
         assert!(page.contains(part), "{part}");
     }
     // Nothing is fetched: the only address is the name of SVG's elements.
