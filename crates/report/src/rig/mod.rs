@@ -90,7 +90,7 @@ fn markup(name: &str, mechanism: &Mechanism, review: &Review, data: &str) -> Mar
                     }
                     section id="joints" aria-label="Joints" {
                         h2 { "Joints" }
-                        p class="hint" { "Load: the torque or force that the joint needs against gravity in this pose." }
+                        p class="hint" { "Load: the effort of the joint against gravity in this pose." }
                         ol id="sliders" {}
                     }
                     section class="findings" aria-label="Findings" {
