@@ -151,7 +151,7 @@ impl ServosArgs {
             kind.name(),
             match &kind {
                 Kind::Servo(_) => "",
-                Kind::Registers(_) => ": registers only, nobody has measured its motor",
+                Kind::Registers(_) => ": registers only, its motor has not been measured",
             }
         ));
         let load = match &kind {

@@ -55,7 +55,7 @@ pub(super) fn run(args: &FlashArgs) -> anyhow::Result<ExitCode> {
     let status = match command.status() {
         Err(error) if error.kind() == io::ErrorKind::NotFound => bail!(
             "`probe-rs` is not installed, and nothing was written. `cargo install probe-rs-tools --locked` installs \
-             it; its page (https://probe.rs) has programs for all systems. On Linux it wants udev rules too"
+             it; its page (https://probe.rs) has programs for all systems. On Linux it needs udev rules, too"
         ),
         status => status.context("probe-rs")?,
     };

@@ -150,7 +150,7 @@ pub(in crate::cli) fn put_show<L: Line>(
         }
         put => put?,
     }
-    board.slot_of(&item)?.context("the board has taken the show, and does not have it")
+    board.slot_of(&item)?.context("the board accepted the show, but does not have it")
 }
 
 /// Uploads an item, with a progress bar.

@@ -72,7 +72,7 @@ fn where_the_query_is_from_does_not_count() {
     let names = clips(folder.path(), 2);
     let like = format!("clips/{}.bvh@2s", names[0]);
     let (found, told) = json(folder.path(), &["clip", "find", "clips", "--like", &like]);
-    assert!(told.contains(&format!("{}: where the query is from does not count", names[0])));
+    assert!(told.contains(&format!("{}: the query's own place does not count", names[0])));
     for moment in found["moments"].as_array().unwrap() {
         let apart_s = (moment["time_s"].as_f64().unwrap() - 2.0).abs();
         assert!(moment["clip"] != names[0].as_str() || apart_s > 0.5 - 1e-6, "{moment}");

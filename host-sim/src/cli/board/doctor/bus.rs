@@ -80,7 +80,7 @@ fn of_line(
                 Wrong,
                 &what,
                 &format!("does not answer at {} baud", line.baud),
-                "is it powered and plugged? `sinew servo scan --board` looks at all rates and ids",
+                "is it powered and plugged? `sinew servo scan --board` searches all rates and ids",
             );
             continue;
         };
@@ -122,7 +122,7 @@ fn of_line(
             Wrong,
             &what,
             &found,
-            &format!("`sinew servo set-baud ID {}` brings it to the line's rate", line.baud),
+            &format!("`sinew servo set-baud ID {}` sets it to the line's rate", line.baud),
         );
     }
     client.into_line().own_rate();

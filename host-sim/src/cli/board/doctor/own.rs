@@ -36,7 +36,7 @@ pub(super) fn look(
         Doubtful,
         "link",
         &format!("version {} on the board, {own} here", about.protocol),
-        "`sinew board flash` brings the firmware of this release",
+        "`sinew board flash` installs the firmware of this release",
     );
     let has_rig = about.rig != 0;
     let rig = if has_rig { format!("{:08x}", about.rig) } else { "none".to_owned() };
@@ -103,7 +103,7 @@ fn stored(board: &mut PortBoard, findings: &mut Findings) -> anyhow::Result<()> 
             Wrong,
             what,
             &format!("schema {found}, {length} bytes, by {approver}"),
-            &format!("this firmware reads schema {schema}: upload it anew"),
+            &format!("this firmware reads schema {schema}: upload it again"),
         );
     }
     Ok(())
