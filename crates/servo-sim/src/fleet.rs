@@ -10,7 +10,7 @@ use crate::device::{MEMORY_LEN, Servo, ServoError};
 use crate::fault::{Fault, FaultOrder};
 use crate::kind::Kind;
 use crate::line::{Line, LineDevice};
-use crate::load::{Arm, Plant, Shaft};
+use crate::load::{Arm, Plant, Push, Shaft};
 use crate::model::Parameters;
 use crate::plant::RigPlant;
 use crate::registers::{RegisterServo, Registers};
@@ -66,10 +66,10 @@ impl Plant for Moved {
         }
     }
 
-    fn step(&mut self, dt_s: f64, torques_nm: &[f64], shafts: &mut [Shaft]) {
+    fn step(&mut self, dt_s: f64, pushes: &[Push], shafts: &mut [Shaft]) {
         match self {
-            Self::Arms(arms) => arms.step(dt_s, torques_nm, shafts),
-            Self::Rig(rig) => rig.step(dt_s, torques_nm, shafts),
+            Self::Arms(arms) => arms.step(dt_s, pushes, shafts),
+            Self::Rig(rig) => rig.step(dt_s, pushes, shafts),
         }
     }
 }

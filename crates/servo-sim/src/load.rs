@@ -11,6 +11,15 @@ pub struct Shaft {
     pub velocity_rad_s: f64,
 }
 
+/// Push of a servo on its shaft in a step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Push {
+    /// Mean torque at the speed that the servo predicted for its shaft, N m.
+    pub torque_nm: f64,
+    /// Torque that is lost for each rad/s that the shaft is faster, N m s/rad: that of the gear's spring and damping.
+    pub slope_nm_s: f64,
+}
+
 /// The load on one shaft.
 pub trait Load {
     /// Returns the inertia at the shaft, kg m²: more than 0.
@@ -36,9 +45,9 @@ pub trait Plant {
         4
     }
 
-    /// Advances by `dt_s`. `torques_nm` is the mean torque of each servo on its shaft; `shafts` are the shafts after
-    /// the servos' steps.
-    fn step(&mut self, dt_s: f64, torques_nm: &[f64], shafts: &mut [Shaft]);
+    /// Advances by `dt_s`. `pushes` are those of the servos on their shafts; `shafts` are the shafts after the servos'
+    /// steps.
+    fn step(&mut self, dt_s: f64, pushes: &[Push], shafts: &mut [Shaft]);
 }
 
 /// An arm with a mass, between stops.
@@ -123,5 +132,5 @@ impl Plant for Vec<Arm> {
         self.get(servo).copied().unwrap_or_default()
     }
 
-    fn step(&mut self, _dt_s: f64, _torques_nm: &[f64], _shafts: &mut [Shaft]) {}
+    fn step(&mut self, _dt_s: f64, _pushes: &[Push], _shafts: &mut [Shaft]) {}
 }

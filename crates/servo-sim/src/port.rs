@@ -96,6 +96,14 @@ impl Port {
         serve(slice::from_ref(self), slice::from_mut(line), stop)
     }
 
+    /// Returns the rate that the program has set, bit/s.
+    ///
+    /// # Errors
+    /// An error of the operating system.
+    pub fn baud(&self) -> io::Result<u32> {
+        Ok(tcgetattr(&self.program)?.output_speed())
+    }
+
     /// Reads the bytes that programs have written, without waiting. Returns their number, or 0.
     ///
     /// # Errors
@@ -125,7 +133,7 @@ impl Port {
     fn pass<W: LineDevice>(&self, line: &mut Line<W>, bytes: &mut [u8]) -> io::Result<bool> {
         match read(&self.servos, &mut *bytes) {
             Ok(count) => {
-                line.servos.set_rate(tcgetattr(&self.program)?.output_speed());
+                line.servos.set_rate(self.baud()?);
                 line.write(&bytes[..count]);
             }
             Err(Errno::AGAIN | Errno::INTR) => {}

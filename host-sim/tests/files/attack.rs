@@ -275,6 +275,42 @@ fn a_show_of_version_1_is_refused_with_how_to_make_it_anew() {
     assert!(said.contains("--rig: expected the rig that performs the show"), "{said}");
 }
 
+/// Limits of almost nothing are refused in the rig's file: clips could not be fitted to them.
+#[test]
+fn an_acceleration_of_almost_nothing_is_refused_with_its_line() {
+    let folder = folder_with(&["acc_panic.toml"]);
+    for words in [
+        &["rig", "check", "acc_panic.toml"][..],
+        &["play", "kicks_01", "--rig", "acc_panic.toml", "--fast"],
+    ] {
+        let said = refused(folder.path(), words);
+        assert!(said.contains("line 69, column 23: joint[1].acceleration_deg_s2"), "{said}");
+    }
+}
+
+/// The arm would wait for such a pose without end.
+#[test]
+fn a_show_that_begins_beyond_a_range_is_refused() {
+    let folder = folder_with(&["out_of_range.show"]);
+    let arm = "../tests/support/rigs/arm_62ff7e0.toml";
+    let arm = fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join(arm)).expect("the rig");
+    let arm = arm.to_str().expect("a path of UTF-8");
+    let said = refused(folder.path(), &["play", "out_of_range.show", "--rig", arm, "--fast"]);
+    assert!(said.contains("the show begins with dof "), "{said}");
+    assert!(said.contains("beyond its range of "), "{said}");
+}
+
+/// Fourteen strong servos on light bodies: explicit torques between them diverged to a panic.
+#[test]
+fn a_long_chain_of_strong_servos_plays() {
+    let folder = folder_with(&["chain14.toml"]);
+    let words = ["play", "kicks_01", "--rig", "chain14.toml", "--fast"];
+    let output = sinew_in(folder.path(), &words);
+    let printed = text(&output.stdout);
+    assert!(output.status.success(), "{printed}{}", text(&output.stderr));
+    assert!(printed.contains("faults: none"), "{printed}");
+}
+
 /// A file that a command cannot use is refused with its kind, and with a command that accepts it.
 #[test]
 fn a_file_of_another_kind_is_named() {

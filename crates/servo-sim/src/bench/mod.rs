@@ -11,7 +11,7 @@ use crate::device::limits::LONGEST;
 use crate::device::{STEP_S, Servo};
 use crate::fault::{Fault, FaultKind};
 use crate::line::LineDevice;
-use crate::load::{Plant, Shaft};
+use crate::load::{Plant, Push, Shaft};
 use crate::model::Draw;
 use crate::supply::Supply;
 use crate::wire::{self, SILENCE_US};
@@ -54,7 +54,7 @@ pub struct Bench<'m, P> {
     now_ns: u64,
     stepped_ns: u64,
     plant_steps: u32,
-    pushed_nm: Vec<f64>,
+    pushes: Vec<Push>,
     shafts: Vec<Shaft>,
     on_way: VecDeque<(u64, Vec<u8>)>,
 }
@@ -90,7 +90,7 @@ impl<'m, P: Plant> Bench<'m, P> {
             now_ns: 0,
             stepped_ns: 0,
             plant_steps: 0,
-            pushed_nm: vec![0.0; count],
+            pushes: vec![Push::default(); count],
             shafts: vec![Shaft::default(); count],
             on_way: VecDeque::new(),
         }
@@ -222,7 +222,9 @@ impl<'m, P: Plant> Bench<'m, P> {
             let (all, own) = (&mut self.draws[supply], servo.draw());
             all.current_a += own.current_a;
             all.conductance_a_v += own.conductance_a_v;
-            self.pushed_nm[index] += servo.flow().shaft_nm / f64::from(steps);
+            let (mean, push) = (&mut self.pushes[index], servo.push());
+            mean.torque_nm += push.torque_nm / f64::from(steps);
+            mean.slope_nm_s += push.slope_nm_s / f64::from(steps);
         }
         for (supply, draw) in self.supplies.iter_mut().zip(&self.draws) {
             supply.step(STEP_S, *draw);
@@ -234,11 +236,11 @@ impl<'m, P: Plant> Bench<'m, P> {
                 *shaft = servo.shaft();
             }
             let dt_s = STEP_S * f64::from(steps);
-            self.plant.step(dt_s, &self.pushed_nm, &mut self.shafts);
+            self.plant.step(dt_s, &self.pushes, &mut self.shafts);
             for (servo, shaft) in self.servos.iter_mut().zip(&self.shafts) {
                 servo.set_shaft(*shaft);
             }
-            self.pushed_nm.fill(0.0);
+            self.pushes.fill(Push::default());
         }
     }
 

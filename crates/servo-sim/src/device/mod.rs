@@ -13,7 +13,7 @@ use sinew_servo_bus::dynamixel::table::{BAUDS as DYNAMIXEL_BAUDS, address};
 use sinew_servo_bus::feetech::table::{BAUDS as FEETECH_BAUDS, address as feetech_address};
 
 use crate::firmware::{Sensed, pulse};
-use crate::load::{Load, Shaft};
+use crate::load::{Load, Push, Shaft};
 use crate::model::{Draw, Flow, Gear, Heat, Motor, Parameters, Power};
 use crate::registers::RegisterTable;
 use codes::{code_of, duty_per_rad, whole};
@@ -202,9 +202,14 @@ impl<'m> Servo<'m> {
         self.gear.shaft
     }
 
-    /// Sets position and speed of the shaft, from the plant.
+    /// Sets position and speed of the shaft, from the plant; the rotor follows as far as the gear takes it along.
     pub fn set_shaft(&mut self, shaft: Shaft) {
-        self.gear.shaft = shaft;
+        self.gear.lead(STEP_S, shaft);
+    }
+
+    /// Push on the shaft in the last step.
+    pub fn push(&self) -> Push {
+        self.gear.push()
     }
 
     /// Returns torques and friction of the last step.

@@ -2,7 +2,7 @@
 
 use super::Parameters;
 use super::motor::Characteristic;
-use crate::load::{Load, Shaft};
+use crate::load::{Load, Push, Shaft};
 
 /// Torques and power losses of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -43,6 +43,7 @@ pub struct Gear {
     /// Whether the gear is blocked.
     pub is_jammed: bool,
     flow: Flow,
+    coupling: Coupling,
 }
 
 impl Gear {
@@ -63,12 +64,29 @@ impl Gear {
             shaft: Shaft::default(),
             is_jammed: false,
             flow: Flow::default(),
+            coupling: Coupling::default(),
         }
     }
 
     /// Returns the torques and losses of the last step.
     pub fn flow(&self) -> Flow {
         self.flow
+    }
+
+    /// Returns the push on the shaft in the last step.
+    pub fn push(&self) -> Push {
+        Push { torque_nm: self.flow.shaft_nm, slope_nm_s: self.coupling.slope_nm_s }
+    }
+
+    /// Sets the shaft to where the plant has it after a step, and the rotor to where the gear then takes it: the linear
+    /// part of [`Self::step`], solved for a shaft of another speed.
+    pub(crate) fn lead(&mut self, dt_s: f64, shaft: Shaft) {
+        let faster_rad_s = shaft.velocity_rad_s - self.shaft.velocity_rad_s;
+        let rotor_rad_s = self.coupling.rotor_share * faster_rad_s;
+        self.rotor.velocity_rad_s += rotor_rad_s;
+        self.rotor.position_rad += dt_s * rotor_rad_s;
+        self.flow.shaft_nm -= self.coupling.slope_nm_s * faster_rad_s;
+        self.shaft = shaft;
     }
 
     /// Places shaft and rotor at a position, rad, at rest.
@@ -129,7 +147,8 @@ impl Gear {
                 self.solve(dt_s, motor, (load_kg_m2, outer_nm), 0.0)
             }
         };
-        let After { speeds_rad_s: [rotor, shaft], gear_nm, frictions_nm } = after;
+        let After { speeds_rad_s: [rotor, shaft], gear_nm, frictions_nm, coupling } = after;
+        self.coupling = coupling;
         let rubbing_w = (frictions_nm[0] + self.damping_nm_s * rotor) * rotor;
         let stored_w = self.stiffness_nm_rad * windup * (rotor - shaft);
         self.flow = Flow {
@@ -171,10 +190,15 @@ impl Gear {
         let to_rotor = rotor_h * self.rotor.velocity_rad_s + motor.nm - spring_nm;
         let to_load = load_h * self.shaft.velocity_rad_s + spring_nm + outer_nm;
         let [most_rotor, most_shaft] = self.most_friction_nm();
-        let after = |[rotor, shaft]: [f64; 2], frictions_nm| After {
-            speeds_rad_s: [rotor, shaft],
-            gear_nm: spring_nm + link * (rotor - shaft),
-            frictions_nm,
+        let after = |[rotor, shaft]: [f64; 2], frictions_nm: [f64; 2]| {
+            // A rotor that friction holds stands still, however the shaft turns.
+            let rotor_share = if frictions_nm[0].abs() < most_rotor { 0.0 } else { link / a };
+            After {
+                speeds_rad_s: [rotor, shaft],
+                gear_nm: spring_nm + link * (rotor - shaft),
+                frictions_nm,
+                coupling: Coupling { rotor_share, slope_nm_s: link * (1.0 - rotor_share) },
+            }
         };
         let turns = |friction_nm: f64| {
             let to_load = to_load - friction_nm;
@@ -201,6 +225,15 @@ impl Gear {
     }
 }
 
+/// Response of the gear to a shaft that turns faster than predicted, in a step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Coupling {
+    /// Speed of the rotor for each rad/s of the shaft.
+    rotor_share: f64,
+    /// Torque on the shaft that is lost for each rad/s, N m s/rad.
+    slope_nm_s: f64,
+}
+
 /// State of both ends after a step.
 struct After {
     /// Speeds of rotor and shaft, rad/s.
@@ -209,6 +242,7 @@ struct After {
     gear_nm: f64,
     /// Dry friction at rotor and shaft, N m.
     frictions_nm: [f64; 2],
+    coupling: Coupling,
 }
 
 #[cfg(test)]

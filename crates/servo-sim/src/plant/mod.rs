@@ -1,13 +1,14 @@
 //! A whole rig on the shafts of its servos: servos affect each other, and gravity depends on the pose.
 //!
-//! The speeds of all joints after a step are the solution of one linear system, implicit in frictions and stops: stable
-//! for any of their stiffnesses. The gears belong to the servos. A servo computes the torque of its gear before the rig
+//! The speeds of all joints after a step are the solution of one linear system, implicit in frictions, stops and gears:
+//! stable for any of their stiffnesses. The gears belong to the servos. A servo solves its own step before the rig
 //! moves, so it must predict its shaft. It assumes the acceleration of the last step, and that its own torque changes
-//! this acceleration by at most `1 / Σ |W|` over the row of `W = B M⁻¹ Bᵀ`, which gives the shafts' accelerations for
-//! torques on all shafts. Since `Σ |W| ≥ W` as matrices, no torque overshoots, however stiff gears are and however
-//! light the rig is; for a single servo the prediction is exact. The servo's torque on the shaft is that of the gear
-//! minus the friction at the shaft. At rest the predicted shaft is the real one, so friction holds a joint in place. A
-//! force that begins to push moves a joint for some steps, until the servos react.
+//! this acceleration by `1 / Σ |W|` over the row of `W = B M⁻¹ Bᵀ`, which gives the shafts' accelerations for torques on
+//! all shafts. The prediction decides whether teeth touch and which ends friction holds. Then the rig moves with the
+//! torque of each gear as a line over the speed of its shaft ([`Push`]), and shaft and rotor take the speeds of the
+//! common solution. Torques of predicted shafts alone would be explicit: light bodies on stiff gears would diverge. At
+//! rest the predicted shaft is the real one, so friction holds a joint in place. A force that begins to push moves a
+//! joint for some steps, until the servos react.
 
 mod drives;
 mod hand;
@@ -21,7 +22,7 @@ use sinew_rig::drive::DriveInputError;
 use sinew_rig::mechanism::{GRAVITY_M_S2, JointModel};
 use sinew_rig::{Description, Mechanism};
 
-use crate::load::{Arm, Plant, STOP_DAMPING_S, STOP_N_M, STOP_NM_RAD, Shaft};
+use crate::load::{Arm, Plant, Push, STOP_DAMPING_S, STOP_N_M, STOP_NM_RAD, Shaft};
 use crate::model::Parameters;
 use crate::rig::{HORN_KG_M2, RigServosError};
 use drives::Driven;
@@ -67,7 +68,9 @@ pub struct RigPlant {
     stops_rad: Vec<[f64; 2]>,
     own: Vec<Shaft>,
     loads: Vec<Arm>,
+    /// Inertias of the ways with frictions and stops; [`Self::coupled`] has the gears, too.
     matrix: Symmetric,
+    coupled: Symmetric,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -141,6 +144,7 @@ impl RigPlant {
             own: vec![Shaft::default(); servos.len()],
             loads: vec![Arm::default(); servos.len()],
             matrix: Symmetric::default(),
+            coupled: Symmetric::default(),
             mechanics,
             drives,
             stops_rad,
@@ -160,13 +164,15 @@ impl RigPlant {
         let ways = plant.joints.len();
         (plant.speeds, plant.extra) = (vec![0.0; ways], vec![0.0; ways]);
         plant.matrix = Symmetric::zeros(ways);
+        plant.coupled = Symmetric::zeros(ways);
         for drive in 0..plant.drives.len() {
             plant.take_ways(drive)?;
             plant.take_positions(drive)?;
         }
         plant.mechanics.set(&plant.q, &plant.qd);
         plant.take_extra();
-        plant.accelerate(Self::STEP_S, &vec![0.0; servos.len()]);
+        let at_rest = plant.own.clone();
+        plant.accelerate(Self::STEP_S, &vec![Push::default(); servos.len()], &at_rest);
         Ok(plant)
     }
 
@@ -287,7 +293,8 @@ impl RigPlant {
     }
 
     /// Returns the accelerations of the motions over a step. Also computes the loads of the servos for the next step.
-    fn accelerate(&mut self, dt_s: f64, torques_nm: &[f64]) -> Vec<f64> {
+    /// `foreseen` are the shafts as the servos predicted them.
+    fn accelerate(&mut self, dt_s: f64, pushes: &[Push], foreseen: &[Shaft]) -> Vec<f64> {
         let ways = self.joints.len();
         self.matrix.fill(0.0);
         for row in 0..ways {
@@ -302,25 +309,28 @@ impl RigPlant {
             let resists = |at: usize| self.mechanics.bias(at) - self.pushes[at];
             let of_joints: f64 =
                 self.joints[way].iter().map(|(at, speed)| speed * resists(*at)).sum();
-            let of_servos: f64 =
-                self.shafts[way].iter().map(|(at, speed)| speed * torques_nm[*at]).sum();
-            *force = of_servos - of_joints;
+            *force = -of_joints;
         }
         self.resist(dt_s, &mut forces);
+        self.coupled.copy_from(&self.matrix);
+        for (servo, (push, shaft)) in pushes.iter().zip(foreseen).enumerate() {
+            let slower_rad_s = shaft.velocity_rad_s - self.own[servo].velocity_rad_s;
+            let torque_nm = push.torque_nm + push.slope_nm_s * slower_rad_s;
+            let row = along(&self.shafts, servo);
+            self.coupled.add_square(&row, dt_s * push.slope_nm_s);
+            for (sum, share) in forces.iter_mut().zip(row) {
+                *sum += share * torque_nm;
+            }
+        }
+        self.coupled.factor(LEAST_PIVOT);
+        self.coupled.solve(&mut forces);
         self.matrix.factor(LEAST_PIVOT);
-        self.matrix.solve(&mut forces);
-        self.foresee(&forces, torques_nm);
+        self.foresee(dt_s, &forces, pushes, foreseen);
         forces
     }
 
     /// Adds frictions and stops implicitly.
     fn resist(&mut self, dt_s: f64, forces: &mut [f64]) {
-        let along = |list: &[Vec<(usize, f64)>], at: usize| -> Vec<f64> {
-            let own = |way: &Vec<(usize, f64)>| {
-                way.iter().filter(|(place, _)| *place == at).map(|(_, speed)| speed).sum()
-            };
-            list.iter().map(own).collect()
-        };
         let mut add = |row: &[f64], force: f64, slope: f64| {
             self.matrix.add_square(row, dt_s * slope);
             for (sum, share) in forces.iter_mut().zip(row) {
@@ -353,7 +363,7 @@ impl RigPlant {
     }
 
     /// Computes the load of each servo for the next step: see [the module](self).
-    fn foresee(&mut self, accelerations: &[f64], torques_nm: &[f64]) {
+    fn foresee(&mut self, dt_s: f64, accelerations: &[f64], pushes: &[Push], foreseen: &[Shaft]) {
         let servos = self.own.len();
         let turned = |by: &[f64], list: &[Vec<(usize, f64)>]| {
             let mut turned = vec![0.0; servos];
@@ -366,25 +376,30 @@ impl RigPlant {
         };
         let now = turned(accelerations, &self.shafts);
         for servo in 0..servos {
-            let mut response = vec![0.0; self.shafts.len()];
-            for (way, share) in self.shafts.iter().zip(&mut response) {
-                *share = way.iter().filter(|(at, _)| *at == servo).map(|(_, speed)| speed).sum();
-            }
+            let mut response = along(&self.shafts, servo);
             self.matrix.solve(&mut response);
             let yields: f64 = turned(&response, &self.shafts).iter().map(|by| by.abs()).sum();
             // A servo that moves no part of the rig moves only its horn.
             let inertia_kg_m2 = if yields > 0.0 { 1.0 / yields } else { HORN_KG_M2 };
+            let speed_rad_s = self.own[servo].velocity_rad_s + dt_s * now[servo];
+            let faster_rad_s = speed_rad_s - foreseen[servo].velocity_rad_s;
+            let push = pushes[servo];
+            let pushed_nm = push.torque_nm - push.slope_nm_s * faster_rad_s;
             self.loads[servo] = Arm {
                 inertia_kg_m2,
-                torque_nm: if yields > 0.0 {
-                    inertia_kg_m2 * now[servo] - torques_nm[servo]
-                } else {
-                    0.0
-                },
+                torque_nm: if yields > 0.0 { inertia_kg_m2 * now[servo] - pushed_nm } else { 0.0 },
                 ..Arm::default()
             };
         }
     }
+}
+
+/// Returns the speeds of the motions for a unit of speed of one dof or shaft.
+fn along(list: &[Vec<(usize, f64)>], at: usize) -> Vec<f64> {
+    let own = |way: &Vec<(usize, f64)>| {
+        way.iter().filter(|(place, _)| *place == at).map(|(_, speed)| speed).sum()
+    };
+    list.iter().map(own).collect()
 }
 
 /// Returns the force of a stop and how it decreases with speed, or `None` if the stop does not push. A stop never
@@ -414,9 +429,9 @@ impl Plant for RigPlant {
         1
     }
 
-    fn step(&mut self, dt_s: f64, torques_nm: &[f64], shafts: &mut [Shaft]) {
+    fn step(&mut self, dt_s: f64, pushes: &[Push], shafts: &mut [Shaft]) {
         self.mechanics.set(&self.q, &self.qd);
-        let accelerations = self.accelerate(dt_s, torques_nm);
+        let accelerations = self.accelerate(dt_s, pushes, shafts);
         for (speed, acceleration) in self.speeds.iter_mut().zip(&accelerations) {
             *speed += dt_s * acceleration;
         }

@@ -13,6 +13,11 @@ impl Symmetric {
         Self { size, numbers: vec![0.0; size * size] }
     }
 
+    /// Takes the numbers of a matrix of the size of this one.
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        self.numbers.copy_from_slice(&other.numbers);
+    }
+
     pub(super) fn fill(&mut self, value: f64) {
         self.numbers.fill(value);
     }

@@ -4,6 +4,7 @@ mod board;
 mod live;
 mod notes;
 mod nucleo;
+mod real_time;
 mod show;
 mod sim;
 

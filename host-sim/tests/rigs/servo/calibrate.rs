@@ -15,7 +15,7 @@ use sinew_rig::toml_file;
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::device::{MEMORY_LEN, Servo};
 use sinew_servo_sim::line::{Line, LineDevice};
-use sinew_servo_sim::load::{Load, Plant, Shaft};
+use sinew_servo_sim::load::{Load, Plant, Push, Shaft};
 use sinew_servo_sim::model::Parameters;
 use sinew_servo_sim::port::Port;
 use sinew_servo_sim::supply::Supply;
@@ -62,7 +62,7 @@ impl Plant for Held<'_> {
         Hand { at_rad: 1e-6 * self.0.hand_urad.load(Ordering::Relaxed) as f64 }
     }
 
-    fn step(&mut self, _: f64, _: &[f64], shafts: &mut [Shaft]) {
+    fn step(&mut self, _: f64, _: &[Push], shafts: &mut [Shaft]) {
         let urad = (1e6 * shafts[0].position_rad).round();
         self.0.shaft_urad.store(urad as i64, Ordering::Relaxed);
     }

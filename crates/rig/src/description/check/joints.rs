@@ -18,10 +18,10 @@ pub(super) fn check(part: Part<'_>, joint: &Joint) -> Result<(), DescriptionErro
         ("speed_m_s", joint.speed_m_s),
         ("acceleration_deg_s2", joint.acceleration_rad_s2),
         ("acceleration_m_s2", joint.acceleration_m_s2),
-        ("effort", joint.effort),
     ] {
-        part.number_if_any(key, limit, Sign::Positive)?;
+        part.number_if_any(key, limit, Sign::Motion)?;
     }
+    part.number_if_any("effort", joint.effort, Sign::Positive)?;
     for (key, value) in [
         ("rotor_inertia", joint.rotor_inertia),
         ("friction", Some(joint.friction)),

@@ -10,6 +10,13 @@ use crate::number;
 /// (3e38), and no real rig has a number near it.
 const LARGEST: f64 = 1e6;
 
+/// Least accepted positive number, in SI units: a millionth of the smallest inertia of a rotor, so that quotients of
+/// accepted numbers are within f32.
+const SMALLEST: f64 = 1e-12;
+
+/// Least limit of a speed or an acceleration, in SI units: with less, a turn of 90 deg takes days.
+const SLOWEST: f64 = 1e-5;
+
 /// Tolerance of the length 1 of an axis or a quaternion, and of the cosine of a right angle; `sinew-core` has the
 /// same. Files contain about six digits: a larger error is a mistake, not rounding.
 pub(super) const UNIT_TOLERANCE: f64 = 1e-3;
@@ -28,6 +35,8 @@ pub(super) enum Sign {
     Any,
     NotNegative,
     Positive,
+    /// Limit of a speed or an acceleration.
+    Motion,
 }
 
 impl<'a> Part<'a> {
@@ -72,18 +81,24 @@ impl<'a> Part<'a> {
         let sign_is_right = match sign {
             Sign::Any => true,
             Sign::NotNegative => value >= 0.0,
-            Sign::Positive => value > 0.0,
+            Sign::Positive => value >= SMALLEST,
+            Sign::Motion => value >= SLOWEST,
         };
         // The comparison also refuses NaN.
         if value.abs() <= LARGEST && sign_is_right {
             return Ok(());
         }
         let unit = unit_at(at);
-        let largest = with_unit(&format!("{:.1e}", in_file(at, LARGEST)), unit);
+        let [slowest, largest] =
+            [SLOWEST, LARGEST].map(|end| with_unit(&format!("{:.1e}", in_file(at, end)), unit));
         let expected = match sign {
             Sign::Any => format!("a finite number, at most {largest} in size"),
             Sign::NotNegative => format!("a number from 0 to {largest}"),
+            Sign::Positive if value > 0.0 && value < SMALLEST => {
+                format!("a number from {SMALLEST:e} to {largest}")
+            }
             Sign::Positive => format!("a number above 0, at most {largest}"),
+            Sign::Motion => format!("a number above 0, from {slowest} to {largest}"),
         };
         Err(self.refuse(at, expected, shown(at, value)))
     }

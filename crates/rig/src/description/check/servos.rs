@@ -6,6 +6,7 @@ use super::joints::check_range;
 use super::part::{Part, Sign, shown};
 use crate::description::error::{DescriptionError, Step};
 use crate::description::{Address, Servo, ServoModel, SourcedValue};
+use crate::number;
 
 /// Values of a kind that may be zero; all others must be positive.
 pub(super) const MAY_BE_ZERO: [&str; 6] = [
@@ -19,6 +20,10 @@ pub(super) const MAY_BE_ZERO: [&str; 6] = [
 
 /// Largest accepted step and play of a servo, rad: six times the play of hobby servos.
 const COARSEST_RAD: f64 = 0.1;
+
+/// Fastest ring of a rotor on its gear, rad/s (190 Hz): 0.3 rad in a step of the simulated servos, 0.25 ms. The step
+/// does not resolve faster rings: when teeth meet, light bodies are thrown.
+const FASTEST_RING_RAD_S: f64 = 1200.0;
 
 /// Name of the servo at each address of each bus.
 pub(super) type Addresses<'a> = HashMap<(&'a str, Address), &'a str>;
@@ -48,12 +53,11 @@ pub(super) fn check<'a>(
         let found = servo.range_rad.len();
         return Err(part.refuse(&at, "one pair [least, most]", found));
     }
-    for (key, limit) in [
-        ("torque_nm", servo.torque_nm),
-        ("speed_deg_s", servo.speed_rad_s),
-        ("acceleration_deg_s2", servo.acceleration_rad_s2),
-    ] {
-        part.number_if_any(key, limit, Sign::Positive)?;
+    part.number_if_any("torque_nm", servo.torque_nm, Sign::Positive)?;
+    for (key, limit) in
+        [("speed_deg_s", servo.speed_rad_s), ("acceleration_deg_s2", servo.acceleration_rad_s2)]
+    {
+        part.number_if_any(key, limit, Sign::Motion)?;
     }
     if servo.p_gain == Some(0) {
         return Err(part.refuse(&[Step::Key("p_gain")], "a whole number above 0", 0));
@@ -115,7 +119,23 @@ pub(super) fn check_model(index: usize, model: &ServoModel) -> Result<(), Descri
         let sign = if key == "gear_stiffness_nm_rad" { Sign::Positive } else { Sign::NotNegative };
         check_sourced(part, key, sourced, sign)?;
     }
-    Ok(())
+    check_ring(part, model)
+}
+
+/// Refuses a gear whose rotor rings faster against a held shaft than simulations resolve.
+fn check_ring(part: Part<'_>, model: &ServoModel) -> Result<(), DescriptionError> {
+    let rotor_kg_m2 = model.rotor_inertia_kg_m2.value;
+    let stiffness_nm_rad = model.gear_stiffness();
+    let most_nm_rad = rotor_kg_m2 * FASTEST_RING_RAD_S * FASTEST_RING_RAD_S;
+    if stiffness_nm_rad <= most_nm_rad {
+        return Ok(());
+    }
+    let at = [Step::Key("gear_stiffness_nm_rad"), Step::Key("value")];
+    let expected = format!(
+        "at most {} N m/rad with rotor_inertia_kg_m2 = {rotor_kg_m2}: a gear whose rotor rings at 190 Hz or less",
+        number::text(number::rounded(most_nm_rad)),
+    );
+    Err(part.refuse(&at, expected, shown(&at, stiffness_nm_rad)))
 }
 
 fn check_sourced(

@@ -252,6 +252,21 @@ fn numbers_are_finite_and_of_a_sign_that_can_be() {
         let supply = Supply { voltage_v: 5.0, current_a: bad };
         refused(|rig| rig.supply = Some(supply), "supply.current_a", " A");
     }
+    // Above 0, and yet no limit, no inertia and no gear.
+    let slow = 1e-30;
+    let key = "joint[0].acceleration_deg_s2";
+    refused(|rig| rig.joints[0].acceleration_rad_s2 = Some(slow), key, "from 5.7e-4 deg/s²");
+    refused(|rig| rig.joints[0].speed_rad_s = Some(slow), "joint[0].speed_deg_s", "deg/s");
+    refused(|rig| rig.servos[0].speed_rad_s = Some(slow), "servo[0].speed_deg_s", "deg/s");
+    refused(|rig| rig.servos[0].torque_nm = Some(slow), "servo[0].torque_nm", "from 1e-12");
+    refused(
+        |rig| {
+            rig.servo_models[0].rotor_inertia_kg_m2.value = 1e-3;
+            set_gear(rig, "gear_stiffness_nm_rad", 1.5e3);
+        },
+        "servo_model[0].gear_stiffness_nm_rad.value",
+        "190 Hz",
+    );
     let empty = String::new();
     refused(
         |rig| rig.servo_models[0].voltage_v.source = empty,

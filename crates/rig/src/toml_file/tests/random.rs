@@ -318,9 +318,17 @@ fn model(r: &mut Random, index: usize) -> ServoModel {
     for fine in [&mut model.resolution_rad, &mut model.backlash_rad] {
         fine.value = fine.value.min(0.1);
     }
+    // A gear's stiffness, given or by rule, goes with its rotor.
+    let rotor = &mut model.rotor_inertia_kg_m2.value;
+    *rotor = rotor.max((model.stall_torque_nm.value / 0.0175 / 1e3).ceil() / 1e3);
+    let stiffest = (1e6 * *rotor).round();
     for (key, value) in model.optional_values_mut() {
         *value = r.perhaps(|r| {
-            let most = if key == "output_friction_share" { 1.0 } else { f64::INFINITY };
+            let most = match key {
+                "output_friction_share" => 1.0,
+                "gear_stiffness_nm_rad" => stiffest,
+                _ => f64::INFINITY,
+            };
             SourcedValue { value: r.positive().min(most), source: r.name("guess: ", index) }
         });
     }
