@@ -651,7 +651,7 @@ impl<const N: usize> TorqueController<N> {
 /// axes.
 #[expect(
     clippy::inline_always,
-    reason = "a few operations of every tick, which several callers share: a call costs as much"
+    reason = "a few operations per tick, shared by several callers: a call would cost as much"
 )]
 #[inline(always)]
 fn asked(
@@ -891,7 +891,7 @@ impl fmt::Display for ControllerError {
             Self::Aims(error) => write!(f, "method and tree do not match: {error}"),
             Self::Weights(error) => write!(f, "method and tree do not match: {error}"),
             Self::Law => f.write_str(
-                "resolved acceleration needs the control law of inverse dynamics: PD alone has no use for accelerations",
+                "resolved acceleration needs the control law of inverse dynamics: PD alone does not use accelerations",
             ),
             Self::NonFinite(name) => write!(f, "the setting {name} is not finite"),
         }

@@ -141,7 +141,7 @@ impl<const N: usize> JointStates<N> {
 /// Returns the state after the step to a pose, with a normalised rotation.
 #[expect(
     clippy::inline_always,
-    reason = "a few operations of every tick, which several callers share: a call costs as much"
+    reason = "a few operations per tick, shared by several callers: a call would cost as much"
 )]
 #[inline(always)]
 fn move_on(state: &mut JointState, pose: Transform, rate_hz: f32) {

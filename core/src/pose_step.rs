@@ -21,7 +21,7 @@ pub(crate) fn rate(dt_s: f32) -> Result<f32, StateInputError> {
 /// axis is the same in both bodies), the linear part in the parent's axes.
 #[expect(
     clippy::inline_always,
-    reason = "a few operations of every tick, which several callers share: a call costs as much"
+    reason = "a few operations per tick, shared by several callers: a call would cost as much"
 )]
 #[inline(always)]
 pub(crate) fn step(from: &Transform, to: &Transform, rate_hz: f32) -> Twist {
@@ -34,7 +34,7 @@ pub(crate) fn step(from: &Transform, to: &Transform, rate_hz: f32) -> Twist {
 /// Converts a motion to body axes. Its linear part is in the parent's axes, its angular part already in body axes.
 #[expect(
     clippy::inline_always,
-    reason = "a few operations of every tick, which several callers share: a call costs as much"
+    reason = "a few operations per tick, shared by several callers: a call would cost as much"
 )]
 #[inline(always)]
 pub(crate) fn in_axes_of(pose: &Transform, motion: Twist) -> Twist {

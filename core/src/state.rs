@@ -33,7 +33,7 @@ const FARTHEST_M: f32 = 1e6;
 /// [`FARTHEST_M`].
 #[expect(
     clippy::inline_always,
-    reason = "a few operations of every tick, which several callers share: a call costs as much"
+    reason = "a few operations per tick, shared by several callers: a call would cost as much"
 )]
 #[inline(always)]
 pub(crate) fn check_pose(pose: &Transform) -> Result<(), StateInputError> {
@@ -43,7 +43,7 @@ pub(crate) fn check_pose(pose: &Transform) -> Result<(), StateInputError> {
 
 #[expect(
     clippy::inline_always,
-    reason = "a few operations of every tick, which several callers share: a call costs as much"
+    reason = "a few operations per tick, shared by several callers: a call would cost as much"
 )]
 #[inline(always)]
 pub(crate) fn check_position(position_m: Vec3) -> Result<(), StateInputError> {
@@ -68,7 +68,7 @@ pub(crate) fn checked_poses(
 
 #[expect(
     clippy::inline_always,
-    reason = "a few operations of every tick, which several callers share: a call costs as much"
+    reason = "a few operations per tick, shared by several callers: a call would cost as much"
 )]
 #[inline(always)]
 fn check_rotation(rotation: Quat) -> Result<(), StateInputError> {
@@ -94,7 +94,7 @@ impl JointState {
 
     #[expect(
         clippy::inline_always,
-        reason = "a few operations of every tick, which several callers share: a call costs as much"
+        reason = "a few operations per tick, shared by several callers: a call would cost as much"
     )]
     #[inline(always)]
     pub(crate) fn with_unit_rotation(mut self) -> Self {

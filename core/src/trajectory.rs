@@ -352,7 +352,7 @@ pub fn backward_states<const N: usize>(
 /// Checks three poses and returns the two steps between them.
 #[expect(
     clippy::inline_always,
-    reason = "a few operations of every tick, which several callers share: a call costs as much"
+    reason = "a few operations per tick, shared by several callers: a call would cost as much"
 )]
 #[inline(always)]
 fn steps(
@@ -367,7 +367,7 @@ fn steps(
 
 #[expect(
     clippy::inline_always,
-    reason = "a few operations of every tick, which several callers share: a call costs as much"
+    reason = "a few operations per tick, shared by several callers: a call would cost as much"
 )]
 #[inline(always)]
 pub(crate) fn put_difference<const N: usize>(

@@ -81,7 +81,7 @@ impl<const N: usize> RestPose<N> {
     }
 
     /// Returns the number of joints, at least one.
-    #[expect(clippy::len_without_is_empty, reason = "it never is")]
+    #[expect(clippy::len_without_is_empty, reason = "it is never empty")]
     pub fn len(&self) -> usize {
         self.parents.len()
     }

@@ -1,5 +1,8 @@
 //! The spatial length of the straight line between two poses, computed for four of its points at a time.
-#![expect(clippy::inline_always, reason = "out of line, vectors go through memory: a third slower")]
+#![expect(
+    clippy::inline_always,
+    reason = "without inlining, vectors pass through memory: a third slower"
+)]
 
 use glam::{Quat, Vec3};
 

@@ -134,7 +134,8 @@ impl fmt::Display for SettingError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::ObserverWithoutDynamics => f.write_str(
-                "law: expected \"inverse_dynamics\" with an observer, which the method \"recommended\" has too; found \"pd\"",
+                "law: expected \"inverse_dynamics\" with an observer, such as that of the method \"recommended\"; \
+                 found \"pd\"",
             ),
             Self::GainsWithoutPd => {
                 f.write_str("gains: expected \"uniform\"; other gains need law = \"pd\"")
@@ -236,13 +237,14 @@ impl fmt::Display for TrackerError {
                 write!(f, "the supply is of a rig of {found} joints, this one has {expected}")
             }
             Self::SupplyWeights => f.write_str(
-                "the supply must have weights with sharing = \"importance\", and none with another",
+                "the supply must have weights if sharing = \"importance\", and no weights otherwise",
             ),
             Self::Rest => f.write_str(
                 "there must be a rest zone for each joint, each a finite number from 0",
             ),
             Self::TooLate => f.write_str(
-                "with method = \"recommended\" the latency and the tick together must not take longer than 10 ms: more ticks a second, or another method",
+                "with method = \"recommended\" the latency and the tick together must not take longer than 10 ms: \
+                 choose a higher rate, or another method",
             ),
         }
     }

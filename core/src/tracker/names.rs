@@ -45,20 +45,20 @@ macro_rules! methods {
 }
 
 methods! {
-    Local = "local", "Local", "Local Space Error: every joint as its parent sees it";
+    Local = "local", "Local", "Local Space Error: every joint relative to its parent";
     World = "world", "World", "World Space Error";
     Egocentric = "egocentric", "Egocentric",
-        "Every body as the root sees it, the root as the world sees it";
+        "Every body relative to the root, the root relative to the world";
     Accumulated = "accumulated", "Accumulated",
-        "The descendants of `reference` as that body sees them, all others as the world does";
+        "Descendants of `reference` relative to that body, all others relative to the world";
     LinearCompensation = "linear_compensation", "Linear Compensation",
         "Linear Compensation Error: bodies turn so that their child reaches its goal";
     ManifoldProjection = "manifold_projection", "Manifold Projection",
-        "World Space Error of the rig's own pose that is nearest to the performance's";
+        "World Space Error with the rig's pose nearest to the performance as the goal";
     ResolvedAcceleration = "resolved_acceleration", "Resolved Acceleration",
-        "Joint accelerations that make every body's error in the world obey one law";
+        "Joint accelerations by which the world space errors of all bodies follow one law";
     Recommended = "recommended", "Recommended",
-        "For real rigs: manifold projection, aligned differences, implicit gains, an observer that looks ahead";
+        "For real rigs: manifold projection, aligned differences, implicit gains, an observer that predicts";
 }
 
 impl MethodName {
@@ -225,7 +225,7 @@ pub(super) mod law {
         Pd,
     }
 
-    #[expect(clippy::trivially_copy_pass_by_ref, reason = "what serde asks for")]
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde requires this signature")]
     pub(in crate::tracker) fn serialize<S: Serializer>(
         law: &ControlLaw,
         to: S,

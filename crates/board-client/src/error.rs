@@ -16,19 +16,20 @@ pub enum ClientError {
     Port(#[from] ServiceError),
     /// The line has failed.
     #[error(
-        "the board's port no longer works: {0}. Was the board unplugged? Without this program its rig holds its pose, \
-         and is lowered and limp after 2 s"
+        "the board's port no longer works: {0}. Was the board unplugged? Without this program the rig holds its pose; \
+         after 2 s it is lowered, and torque is switched off"
     )]
     Line(io::Error),
     /// Nothing answers a greeting.
     #[error(
-        "no controller answers. Has the board power, and is it flashed (`sinew board flash`)? `sinew board simulate` is one \
-         to try without hardware"
+        "no controller answers. Is the board powered and flashed (`sinew board flash`)? To try without hardware, use \
+         `sinew board simulate`"
     )]
     NoController,
     /// Servos answer, but no controller.
     #[error(
-        "{}: {} servos answer here at {baud} baud, no controller. This is an adapter at the servos: `sinew servo --port` takes it",
+        "{}: {} servos answer here at {baud} baud, no controller. This port is an adapter of servos: use it with \
+         `sinew servo --port`",
         path.display(),
         protocol.name()
     )]
@@ -53,21 +54,23 @@ pub enum ClientError {
     #[error("the controller refused: {0}")]
     Refused(Refusal),
     /// No answer arrived.
-    #[error("the controller has not answered {0:?}: is the line bad?")]
+    #[error("the controller has not answered {0:?}: is the cable bad?")]
     NoAnswer(Box<Command>),
     /// No valid message arrived for this time.
     #[error(
-        "nothing valid has come from the board for {} s: is the wire from the board broken? It was told to stop, and \
-         this program is silent now: the rig goes to its rest pose or holds, and 2 s later it is lowered and limp",
+        "no valid message has arrived from the board for {} s: is the wire from the board broken? The board was asked \
+         to stop, and this program sends nothing more: the rig goes to its rest pose or holds; 2 s later it is \
+         lowered, and torque is switched off",
         .0.as_secs_f64()
     )]
     Deaf(Duration),
     /// The board has restarted, or another program has the rig.
-    #[error("the session is over: the board has started anew, or another program has it now")]
+    #[error("the session is over: the board has restarted, or another program uses it now")]
     SessionOver,
     /// The firmware is too old for a function.
     #[error(
-        "this takes version {needs} of the link, the board's firmware speaks {has}: `sinew board flash` brings a newer one"
+        "this needs version {needs} of the host link, the board's firmware has {has}: update it with `sinew board \
+         flash`"
     )]
     Old {
         /// Version that the function needs.
@@ -76,10 +79,10 @@ pub enum ClientError {
         has: Version,
     },
     /// An answer of the wrong kind arrived.
-    #[error("the controller answered {0} with something else")]
+    #[error("the controller's answer to {0} is of another kind")]
     Unexpected(&'static str),
     /// The approver's name is invalid.
-    #[error("`{0}`: who approves has a name of 1 to 60 bytes, without control characters")]
+    #[error("`{0}`: the name of the approver must have 1 to 60 bytes, without control characters")]
     Approver(String),
     /// An operation took too long.
     #[error("{0}")]

@@ -118,12 +118,13 @@ fn explained(error: ClientError) -> io::Error {
         ),
         ClientError::Refused(Refusal::Unsupported) => (
             io::ErrorKind::Unsupported,
-            "the board has no such line of servos, or does not do this rate".to_owned(),
+            "the board has no such line of servos, or does not support this rate".to_owned(),
         ),
         ClientError::Refused(Refusal::Value) => (
             io::ErrorKind::InvalidInput,
             format!(
-                "the board sends no more at once than leaves in {} ms, and nothing below {PASS_LEAST_BAUD} bit/s. Nothing was sent",
+                "the board sends at most what fits in {} ms, and nothing below {PASS_LEAST_BAUD} bit/s. Nothing was \
+                 sent",
                 PASS_WAIT_US / 1000
             ),
         ),

@@ -13,7 +13,7 @@ pub enum BodyModelError {
     NoLength(&'static str),
     /// Left and right, or up, cannot be determined.
     #[error(
-        "the hips are at the same place, or the neck is level with them: left and up cannot be told"
+        "the hips are at the same place, or the neck is level with them: left and up cannot be determined"
     )]
     NoOrientation,
 }

@@ -158,7 +158,7 @@ fn why_not(file: &Path) -> &'static str {
     if file.is_dir() {
         "a folder in the folder is not searched"
     } else if file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("asf")) {
-        "a skeleton, which its motions find themselves"
+        "a skeleton, which is read together with its motions"
     } else {
         "neither its name nor its content is that of a motion"
     }

@@ -46,7 +46,7 @@ pub enum Error {
     },
     /// The file is a skeleton without its motion.
     #[error(
-        "{}: an ASF file holds the skeleton only: expected the AMC file of a motion, which finds it",
+        "{}: an ASF file holds the skeleton only: expected the AMC file of a motion, with which it is read",
         file.display()
     )]
     SkeletonOnly {

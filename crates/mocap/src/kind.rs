@@ -157,39 +157,39 @@ impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Bvh => {
-                "a BVH motion, which `sinew clip`, `bake` and `evaluate --clips` take"
+                "a BVH motion, for `sinew clip`, `bake` and `evaluate --clips`"
             }
             Self::Asf => {
-                "an ASF skeleton: `sinew clip`, `bake` and `evaluate --clips` take the AMC motion beside it"
+                "an ASF skeleton: `sinew clip`, `bake` and `evaluate --clips` accept the AMC motion beside it"
             }
             Self::Amc => {
-                "an AMC motion, which `sinew clip`, `bake` and `evaluate --clips` take"
+                "an AMC motion, for `sinew clip`, `bake` and `evaluate --clips`"
             }
             Self::DeepMimic => {
-                "a DeepMimic motion, which `sinew clip`, `bake` and `evaluate --clips` take"
+                "a DeepMimic motion, for `sinew clip`, `bake` and `evaluate --clips`"
             }
             Self::Gltf => {
-                "a glTF character, which `sinew clip inspect` and `weights` take; its animations are not read: \
-                 export them as BVH (Blender does)"
+                "a glTF character, for `sinew clip inspect` and `weights`; its animations are not read: export them as \
+                 BVH (Blender does)"
             }
-            Self::Geno => "a binary character, which `sinew clip inspect` and `weights` take",
+            Self::Geno => "a binary character, for `sinew clip inspect` and `weights`",
             Self::Fbx => "FBX, which is not read: export it as BVH (Blender does)",
             Self::C3d => {
                 "C3D, which holds markers and is not read: export the solved skeleton as BVH"
             }
             Self::Urdf => {
-                "a URDF rig, which `sinew rig`, `inspect`, `weights` and each `--rig` take"
+                "a URDF rig, for `sinew rig`, `inspect`, `weights` and each `--rig`"
             }
-            Self::Mjcf => "an MJCF rig, which `sinew rig`, `inspect` and each `--rig` take",
+            Self::Mjcf => "an MJCF rig, for `sinew rig`, `inspect` and each `--rig`",
             Self::Xml => "XML of another kind",
-            Self::Rig => "a rig.toml, which `sinew rig`, `inspect` and each `--rig` take",
-            Self::RigMapping => "a mapping on a rig, which `--mapping` takes beside `--rig`",
+            Self::Rig => "a rig.toml, for `sinew rig`, `inspect` and each `--rig`",
+            Self::RigMapping => "a mapping on a rig, for `--mapping` together with `--rig`",
             Self::FigureMapping => {
-                "a mapping on the human figure, which `--mapping` takes where no `--rig` is given"
+                "a mapping on the human figure, for `--mapping` without `--rig`"
             }
-            Self::Sweep => "a sweep, which `sinew evaluate sweep` takes",
+            Self::Sweep => "a sweep, for `sinew evaluate sweep`",
             Self::Toml => "TOML of another kind",
-            Self::Show => "a show, which `sinew play` and `sinew board upload show` take",
+            Self::Show => "a show, for `sinew play` and `sinew board upload show`",
             Self::Parquet => "a Parquet table: recordings of `sinew play` are for `sinew report`",
             Self::Picture => "a picture, which no command reads",
             Self::Csv => {

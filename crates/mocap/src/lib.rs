@@ -15,7 +15,7 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! // BVH has no unit of length. These files are in centimetres.
 //! let recording = format::read("walk.bvh".as_ref())?.in_metres(0.01);
-//! let frame_time_s = recording.frame_time_s.ok_or("the file does not tell its rate")?;
+//! let frame_time_s = recording.frame_time_s.ok_or("the file does not state its rate")?;
 //! // Gaps of up to half a second are filled.
 //! let (mut clip, filled) = gaps::fill(recording, frame_time_s, 0.5)?;
 //! println!("{filled}");

@@ -22,7 +22,7 @@ pub(crate) fn shown(word: &str) -> String {
 /// Describes the word that was found instead of the expected one, or bytes that are not text.
 pub(crate) fn found(word: &str) -> String {
     if word.contains(|c: char| c.is_control() || c == char::REPLACEMENT_CHARACTER) {
-        return "bytes that are no text".to_owned();
+        return "bytes that are not text".to_owned();
     }
     format!("`{}`", shown(word))
 }

@@ -15,12 +15,10 @@ pub enum MachineError {
     #[error("{0}: the emulator cannot be started ({1}); `cargo xtask emulate` builds it")]
     NoEmulator(String, #[source] io::Error),
     /// The emulator has ended.
-    #[error("the emulator has ended: what it said stands above")]
+    #[error("the emulator has ended: its output is above")]
     Ended(#[source] io::Error),
     /// The emulator sent a line that is not in its protocol.
-    #[error(
-        "the emulator says `{0}`: it is of another version; `cargo xtask emulate` builds it anew"
-    )]
+    #[error("the emulator says `{0}`: it is of another version; `cargo xtask emulate` rebuilds it")]
     Version(String),
 }
 

@@ -411,7 +411,9 @@ impl Performance for ShowPlayback<'_> {
 /// Returns the CRC of a rig's compact form, by which a board recognizes its own shows. Returns 0 and a reason if the
 /// rig does not fit on any board.
 pub fn rig_hash(rig: &Description, mechanism: &Mechanism) -> (u32, Option<String>) {
-    let none = |why: String| (0, Some(format!("the show names no rig: no board holds it: {why}")));
+    let none = |why: String| {
+        (0, Some(format!("the show names no rig, because no board can hold this rig: {why}")))
+    };
     let board = match BoardRig::<BODIES, DOFS, SERVOS>::bake(rig, mechanism) {
         Ok(board) => board,
         Err(error) => return none(error.to_string()),

@@ -65,7 +65,7 @@ pub enum ClipError {
     },
     /// The rate is unknown.
     #[error(
-        "{clip}: the file does not tell its frame rate; expected a format that does, such as BVH"
+        "{clip}: the file does not state its frame rate; expected a format that does, such as BVH"
     )]
     NoRate {
         /// Path of the file.
@@ -155,7 +155,7 @@ impl PreparedClip {
         if let (None, Some(frame_time_s)) = (recording.frame_time_s, known_s) {
             let rate_hz = frame_time_s.recip();
             notes.push(format!(
-                "taken as {rate_hz} Hz, as its skeleton's files: the file does not tell its rate"
+                "taken as {rate_hz} Hz, like other files of its skeleton: the file does not state its rate"
             ));
         }
         let frame_time_s = recording.frame_time_s.or(known_s);

@@ -114,7 +114,8 @@ pub fn fitted(limits: &Limits, fit: &Fit, given_s: f64) -> String {
     }
     for lowered in &fit.lowered {
         line(format_args!(
-            "drawn towards home: {}, down to {:.0} % of its way at {:.2} s: gravity or heat ask for more than the drive gives",
+            "drawn towards home: {}, down to {:.0} % of its way at {:.2} s: gravity or heat would exceed what the \
+             drive gives",
             lowered.joint,
             100.0 * lowered.share,
             lowered.at_s

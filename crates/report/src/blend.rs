@@ -75,7 +75,9 @@ pub fn check(path: &Path) -> io::Result<()> {
 pub fn write(path: &Path, drawing: &Drawing<'_>) -> io::Result<()> {
     let invalid = |error: String| io::Error::new(io::ErrorKind::InvalidInput, error);
     let mapping = drawing.mapping.ok_or_else(|| {
-        invalid("expected a human, which alone is drawn, found another skeleton".to_owned())
+        invalid(
+            "expected a human (other skeletons are not drawn), found another skeleton".to_owned(),
+        )
     })?;
     let binding = Binding::new(mapping, &drawing.blend.clip.skeleton)
         .map_err(|error| invalid(error.to_string()))?;

@@ -22,7 +22,7 @@ pub(super) fn check(path: &Path) -> io::Result<()> {
     }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     if folder.is_some_and(|folder| !folder.is_dir()) {
-        return Err(io::Error::new(io::ErrorKind::NotFound, "expected a folder that is there"));
+        return Err(io::Error::new(io::ErrorKind::NotFound, "expected an existing folder"));
     }
     Ok(())
 }

@@ -56,7 +56,9 @@ pub fn write(
 ) -> io::Result<()> {
     let invalid = |why: String| io::Error::new(io::ErrorKind::InvalidInput, why);
     let mapping = query.mapping.as_ref().ok_or_else(|| {
-        invalid("expected a human, which alone is drawn, found another skeleton".to_owned())
+        invalid(
+            "expected a human (other skeletons are not drawn), found another skeleton".to_owned(),
+        )
     })?;
     let binding =
         Binding::new(mapping, &query.skeleton).map_err(|error| invalid(error.to_string()))?;
@@ -95,7 +97,7 @@ fn picture(drawing: &Drawing<'_>) -> Markup {
             rect width=(px(width)) height=(px(height)) fill="#ffffff" {}
             text class="chart-title" x="4" y="18" { (title) }
             text class="tick" x="4" y="36" {
-                "white: what is looked for; red: what was found, pelvis on pelvis"
+                "white: the query; red: the moment found, with its pelvis at the same place"
             }
             @for (index, cell) in cells.iter().enumerate() {
                 @let x = (index % columns) as f64 * (CELL + GAP);

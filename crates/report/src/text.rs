@@ -117,11 +117,12 @@ impl<'a> Words<'a> {
             MethodName::Local => "Every body is compared with its goal in its parent's frame.",
             MethodName::World => "Every body is compared with its goal in the world.",
             MethodName::Egocentric => self.either(
-                "Every body is compared with its goal as the pelvis sees it.",
-                "Every body is compared with its goal as the first body sees it.",
+                "Every body is compared with its goal in the pelvis’s frame.",
+                "Every body is compared with its goal in the first body’s frame.",
             ),
             MethodName::Accumulated => {
-                "Bodies beyond a chosen one are compared with their goals as that one sees them, all others in the world."
+                "Bodies beyond a chosen body are compared with their goals in that body’s frame, all others in the \
+                 world."
             }
             MethodName::LinearCompensation => self.either(
                 "As World, but a body’s goal is turned so that its child comes nearest to where the clip has it. That costs angle \
@@ -130,17 +131,18 @@ impl<'a> Words<'a> {
                  angle and gains distance.",
             ),
             MethodName::ManifoldProjection => self.either(
-                "As World, but the goal is the figure’s own pose that is nearest to the clip’s: all joints share the bending. \
-                 With equal dimensions it is World.",
-                "As World, but the goal is the rig’s own pose that is nearest to the motion’s. The motions of this page are such \
-                 poses: then it is World.",
+                "As World, but the goal is the figure’s own pose that is nearest to the clip’s: all joints share the \
+                 bending. With equal dimensions it equals World.",
+                "As World, but the goal is the rig’s own pose that is nearest to the motion’s. The motions of this \
+                 page consist of such poses, so this method equals World.",
             ),
             MethodName::ResolvedAcceleration => {
-                "Every body’s error in the world obeys one law: the joints together get the accelerations that do that."
+                "All joints together get the accelerations by which the errors of all bodies in the world follow one \
+                 law."
             }
             MethodName::Recommended => {
-                "Manifold Projection on targets aligned with the motion, with an observer that filters the sensors, looks ahead over a \
-                 known delay, and cancels what the model has wrong."
+                "Manifold Projection on targets aligned with the motion, with an observer that filters the sensors, \
+                 predicts over a known delay, and cancels errors of the model."
             }
         }
     }

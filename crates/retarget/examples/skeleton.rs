@@ -58,7 +58,7 @@ fn print(file: &Path, recording: Recording, as_map: bool) {
         );
     }
     if let Some(unit) = &matched.unit {
-        let told = told.map_or(String::new(), |metres| format!(" (the file tells {metres} m)"));
+        let told = told.map_or(String::new(), |metres| format!(" (the file states {metres} m)"));
         println!("  unit        {}{told}", unit.reason);
     }
     if let Some(up) = &matched.up {

@@ -60,7 +60,7 @@ impl fmt::Display for CommandError {
                 write!(f, "there is no servo {index}; the bus has {count}, from 0")
             }
             Self::NotFinite(what) => write!(f, "the {what} is not a finite number"),
-            Self::Unsupported(what) => write!(f, "the servo takes no {what} in its mode"),
+            Self::Unsupported(what) => write!(f, "the servo accepts no {what} in its mode"),
         }
     }
 }
@@ -98,7 +98,7 @@ impl fmt::Display for SetupError {
             Self::Id(id) => write!(f, "no servo can have id {id}"),
             Self::Shared(id) => write!(f, "two servos have id {id}; each needs its own"),
             Self::Setting { id, what } => {
-                write!(f, "servo {id}: {what} is not a number that can be")
+                write!(f, "servo {id}: {what} is not a valid number")
             }
         }
     }

@@ -32,7 +32,7 @@ pub enum KindError {
         registers: String,
     },
     /// The kind has no bus.
-    #[error("{0} takes pulses: it hangs on no bus, and nothing can be asked of it")]
+    #[error("{0} is driven by pulses: it is not on a bus, and cannot be queried")]
     NoBus(String),
     /// The figures of the kind contradict each other.
     #[error(transparent)]
@@ -132,6 +132,6 @@ mod tests {
             assert!(message.contains("only MX-106") && message.ends_with("SCS0009"), "{message}");
             assert!(!message.contains("MG90S"), "{message}");
         }
-        assert!(message("mg90s").contains("takes pulses"));
+        assert!(message("mg90s").contains("is driven by pulses"));
     }
 }

@@ -30,7 +30,7 @@ const CATCH_UP: Duration = Duration::from_millis(200);
 #[non_exhaustive]
 pub enum PortError {
     /// A file with the link's name exists and is not a link.
-    #[error("{}: is there already and is no link; choose another name", .0.display())]
+    #[error("{}: exists already and is not a link; choose another name", .0.display())]
     Occupied(PathBuf),
     /// The link could not be created.
     #[error("{}: {source}", link.display())]

@@ -109,7 +109,7 @@ impl Calibration {
         for track in &mut self.tracks {
             let id = track.servo.id;
             if torque_is_on(client, &track.servo)? {
-                let what = "its torque came on while a hand moved it: another program talks to it, or it is broken";
+                let what = "its torque came on while a hand moved it: another program controls it, or it is broken";
                 return Err(ServiceError::State { id, what: what.to_owned() });
             }
             let counts = client.read(&track.servo, &track.item)?;

@@ -36,8 +36,8 @@ pub enum ServiceError {
     },
     /// The servo does not answer.
     #[error(
-        "servo {id} does not answer at {baud} baud. Is it powered, and is this its id and rate? \
-         `sinew servo scan` looks at all of them"
+        "servo {id} does not answer at {baud} baud. Is it powered, and is this its id and rate? `sinew servo scan` \
+         searches all of them"
     )]
     Silent {
         /// Id that was asked.
@@ -47,7 +47,8 @@ pub enum ServiceError {
     },
     /// The servo does not answer at any rate.
     #[error(
-        "servo {id} does not answer at any rate of {protocols}. Is it powered? `sinew servo scan` shows who is there"
+        "servo {id} does not answer at any rate of {protocols}. Is it powered? `sinew servo scan` shows the servos \
+         that answer"
     )]
     Nowhere {
         /// Id that was asked.
@@ -57,8 +58,8 @@ pub enum ServiceError {
     },
     /// The bytes that arrived are not a reply.
     #[error(
-        "what servo {id} answers is no packet. Two servos of the same id talk at once: connect them one at a time, \
-         and use `set-id`; or cable and ground are bad"
+        "the answer of servo {id} is not a valid packet. Either two servos have this id: connect them one at a time, \
+         and use `set-id`; or the cable or its ground is bad"
     )]
     Noise {
         /// Id that was asked.
@@ -86,7 +87,7 @@ pub enum ServiceError {
     Packet(#[from] EncodeError),
     /// The servo's model is unknown.
     #[error(
-        "servo {id} says that it is model {number}, which is not in the list. If its registers are those of a known \
+        "servo {id} reports model number {number}, which is not in the list. If its registers are those of a known \
          model, name that one with `--model`, one of: {known}"
     )]
     UnknownModel {
@@ -110,7 +111,7 @@ pub enum ServiceError {
     Register(#[from] Registers),
     /// Another servo has the id.
     #[error(
-        "id {id} is taken: {} answers there; choose one that is free, or change that one first",
+        "id {id} is taken: {} has this id; choose a free id, or change the id of that servo first",
         ServoModel::with_article(model)
     )]
     IdTaken {
@@ -134,7 +135,7 @@ pub enum ServiceError {
     },
     /// The servo no longer answers after a change of its id or rate.
     #[error(
-        "{what} was written to servo {id}, and now it answers neither there nor as before; scan for it"
+        "{what} was written to servo {id}, and now it answers with neither the new nor the old value; scan for it"
     )]
     Lost {
         /// Id before the change.
@@ -146,7 +147,7 @@ pub enum ServiceError {
     #[error("it was ended by a signal")]
     Stopped,
     /// The tool failed, and the servo's previous state could not be restored.
-    #[error("{why}. And servo {id} is not as it was: {left}")]
+    #[error("{why}. Also, servo {id} could not be restored to its previous state: {left}")]
     NotRestored {
         /// Id of the servo.
         id: u8,
@@ -235,8 +236,8 @@ pub enum Registers {
     },
     /// The register is in EEPROM, and torque is on.
     #[error(
-        "{name} is kept in EEPROM, which is written only at rest, and the torque of servo {id} is on. \
-         `sinew servo write {id} torque-enable 0` lets go of what it holds"
+        "{name} is kept in EEPROM, which is written only while torque is off, and the torque of servo {id} is on. \
+         `sinew servo write {id} torque-enable 0` switches it off; a load that it holds falls"
     )]
     TorqueOn {
         /// Id of the servo.

@@ -42,7 +42,7 @@ impl Follow {
             return Ok(());
         }
         Err(format!(
-            "its position changed by {way} within {:.0} ms, which it cannot do: its encoder jumps, or it started anew",
+            "its position changed by {way} within {:.0} ms, which is impossible: its encoder jumps, or it restarted",
             1e3 * passed_s
         ))
     }

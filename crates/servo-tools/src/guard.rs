@@ -175,7 +175,7 @@ impl<'c, E: Exchange> Guard<'c, E> {
         }
         if !torque_is_on(self.client, self.servo)? {
             return refused(
-                "its torque went off by itself while it moved: it started anew, or something else switched it off"
+                "its torque went off by itself while it moved: it restarted, or something else switched it off"
                     .to_owned(),
             );
         }

@@ -102,7 +102,7 @@ pub(crate) fn ensure_it_stands_in_position_mode<E: Exchange>(
     let way = Scale::of(&servo.table.role(Role::GoalPosition)?).quantity(way);
     if was_on && way.value.abs() > THERE_DEG {
         return refused(format!(
-            "it is {way} from its goal: it moves, or something holds it. Wait until it stands"
+            "it is {way} from its goal: it moves, or something holds it. Wait until it rests"
         ));
     }
     Ok(())
@@ -130,7 +130,7 @@ fn ends<E: Exchange>(
     if !(least..=most).contains(&held) {
         let [at, from, to] = [held, least, most].map(|raw| scale.quantity(raw));
         return refused(format!(
-            "it stands at {at}, outside of its limits, {from} to {to}: move it there by hand first"
+            "it is at {at}, outside of its limits, {from} to {to}: move it within them by hand first"
         ));
     }
     let ends = ends.map(|end| end.clamp(least, most));
@@ -258,7 +258,7 @@ fn wiggle<E: Exchange>(
         if is_whole_way && f64::from(moved) / f64::from(asked) < MOVED[0] {
             let [moved, asked] = [moved, asked].map(|counts| scale.quantity(counts));
             return refused(format!(
-                "it hardly moves: by {moved} where {asked} was asked. It is blocked, or too weak for what hangs on it"
+                "it hardly moves: by {moved} where {asked} was asked. It is blocked, or too weak for its load"
             ));
         }
         before = target;

@@ -46,18 +46,17 @@ pub fn look<E: Exchange>(
     let mut words = Vec::new();
     if let Some(marks) = marks {
         let (torque, helps) =
-            if is_on { ("on", "lets go of it and sets") } else { ("off", "sets") };
+            if is_on { ("on", "switches torque off and sets") } else { ("off", "sets") };
         words.push(format!(
-            "a program that was ended has left it so: its torque is {torque}, and {marks}. `sinew servo reboot {id}` \
-             {helps} back what it has in RAM"
+            "a program that was ended left it in this state: its torque is {torque}, and {marks}. `sinew servo reboot \
+             {id}` {helps} back what it has in RAM"
         ));
     }
     if let Some(lock) = lock_of(servo)
         && client.read(servo, &lock)? == 0
     {
         words.push(
-            "its EEPROM is open: a program that was ended, or another one, has left it so. The next `sinew servo \
-             write` to it shuts it"
+            "its EEPROM is unlocked: a program left it in this state. The next `sinew servo write` locks it"
                 .to_owned(),
         );
     }
@@ -100,9 +99,9 @@ fn of_dynamixel<E: Exchange>(
 ) -> Result<Option<String>, ServiceError> {
     let watchdog = servo.table.register_at(dxl::BUS_WATCHDOG)?;
     Ok(match client.read(servo, &watchdog)? {
-        ran_out if ran_out < 0 && is_on => {
-            Some("its Bus Watchdog has run out, so it holds where it was then".to_owned())
-        }
+        ran_out if ran_out < 0 && is_on => Some(
+            "its Bus Watchdog has run out, so it holds the position that it had then".to_owned(),
+        ),
         set if set == WATCHDOG => Some(format!(
             "its Bus Watchdog is {}, as for a move",
             Scale::of(&watchdog).quantity(set)

@@ -84,7 +84,7 @@ pub fn of_bus(rig: &Description, bus: Option<&str>) -> Result<Vec<RigServo>, Ser
         (None, known) => {
             let known = known.join(", ");
             return Err(refused(format!(
-                "its servos hang on several buses, {known}: name one with --rig-bus"
+                "its servos are on several buses, {known}: name one with --rig-bus"
             )));
         }
     };

@@ -107,8 +107,8 @@ impl fmt::Display for ShowError {
                 write!(f, "not a show: it begins with {found:02x?} instead of `SNWS`")
             }
             Self::Version { found: 1 } => f.write_str(
-                "the show is of version 1, which is no longer read: make it anew from its clip, \
-                 with `sinew bake CLIP --rig RIG`",
+                "the show is of version 1, which is no longer read: bake it again from its clip, with `sinew bake CLIP \
+                 --rig RIG`",
             ),
             Self::Version { found } => {
                 write!(f, "the show is of version {found}; this program performs version 2")
@@ -129,7 +129,7 @@ impl fmt::Display for ShowError {
                 "channel {channel} does not go on into block {block}: the program that wrote the show has a fault"
             ),
             Self::Field { what, index, found } => {
-                write!(f, "{what} {index} of the show is {found}, which cannot be")
+                write!(f, "{what} {index} of the show is {found}, which is invalid")
             }
             Self::Capacity { found, holds } => {
                 write!(f, "the show has {found} joint coordinates, the board holds {holds}")

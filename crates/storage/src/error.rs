@@ -15,13 +15,13 @@ pub enum Error<E: Debug> {
     #[error("the board's table: {0}")]
     Table(TableError),
     /// The data read back differ from the written data, or a sector is not blank after its erase.
-    #[error("flash at {at:#x} does not keep what is written: is the sector worn out?")]
+    #[error("flash at {at:#x} does not store the written data: is the sector worn out?")]
     ReadBack {
         /// Address of the data.
         at: u32,
     },
     /// The flash is neither blank nor already holds the new data, because of a power cut.
-    #[error("flash at {at:#x} holds what a cut left: begin the upload again")]
+    #[error("flash at {at:#x} holds data that a power cut left incomplete: begin the upload again")]
     Torn {
         /// Address of the data.
         at: u32,
@@ -52,7 +52,7 @@ pub enum Error<E: Debug> {
         len: u32,
     },
     /// There is no slot with this number.
-    #[error("there is no slot {slot}: slots are 0 to {slots}, less one")]
+    #[error("there is no slot {slot}: there are {slots} slots, numbered from 0")]
     Slot {
         /// Number of the slot.
         slot: usize,
@@ -88,10 +88,10 @@ pub enum Error<E: Debug> {
         len: u32,
     },
     /// The SHA-256 of the content is not the announced one. The upload is dropped.
-    #[error("the content has another SHA-256 than was announced: it is dropped")]
+    #[error("the content has another SHA-256 than was announced: it is discarded")]
     Hash,
     /// The place of this upload was given up after its start.
-    #[error("the place of this upload is gone: begin it again")]
+    #[error("the slot of this upload was given up: begin the upload again")]
     Stale,
     /// The content is not a rig, or the rig exceeds the board's capacity. The upload is dropped.
     #[error("{0}")]
@@ -139,7 +139,8 @@ pub enum TableError {
     /// An area does not start at a multiple of 64 bytes, a sector's length is not a multiple of 64, or a sector of
     /// the log is too short for all faults.
     #[error(
-        "the area at {start:#x} has sectors of {sector_len} bytes: it takes multiples of 64, at least {least}"
+        "the area at {start:#x} has sectors of {sector_len} bytes: sectors must be multiples of 64 bytes, at least \
+         {least}"
     )]
     Sector {
         /// Start address of the area.

@@ -28,14 +28,14 @@ pub enum QemuError {
     #[error("qemu-system-arm cannot be started ({0}): `cargo xtask setup` installs it")]
     NoQemu(#[source] Arc<io::Error>),
     /// QEMU has ended.
-    #[error("QEMU has ended ({}): what it said stands above", status.map_or_else(|| "still there".to_owned(), |of| of.to_string()))]
+    #[error("QEMU has ended ({}): its output is above", status.map_or_else(|| "still there".to_owned(), |of| of.to_string()))]
     Left {
         /// Exit status of the process.
         status: Option<ExitStatus>,
     },
     /// QEMU runs, but the image does not answer.
     #[error(
-        "the image in QEMU says nothing more: is it of this version? `cargo xtask node` builds it anew ({image} names \
+        "the image in QEMU no longer answers: is it of this version? `cargo xtask node` rebuilds it ({image} names \
          another one)"
     )]
     Silent {
@@ -43,7 +43,7 @@ pub enum QemuError {
         image: &'static str,
     },
     /// The image's output is not a valid message.
-    #[error("the image is of another version of Sinew: `cargo xtask node` builds it anew")]
+    #[error("the image is of another version of Sinew: `cargo xtask node` rebuilds it")]
     Version,
     /// The node does not answer.
     #[error("the node in QEMU gives no answer to {0}")]
@@ -70,18 +70,18 @@ pub enum QemuError {
     #[error("the rig cannot be wired to the node in QEMU: {0}")]
     Wiring(String),
     /// A servo is driven by pulses.
-    #[error("servo `{0}` takes pulses: the image was tried with serial lines alone")]
+    #[error("servo `{0}` is driven by pulses: the image was tested with serial lines only")]
     Pulses(String),
     /// The node accepted the rig, but its controller refuses it.
     #[error("the node in QEMU took the rig, and its controller refuses it")]
     NoLoop,
     /// The host link has no message for a command.
-    #[error("the command {0:?} cannot be sent over the link: it has no message for it")]
+    #[error("the command {0:?} cannot be sent: the host link has no message for it")]
     Command(Command),
     /// The image and the controller in process differ.
     #[error(
-        "tick {tick}: {what} of the image in QEMU are not those in process. Is it of this version? `cargo xtask node` \
-         builds it anew ({image} names another one)"
+        "tick {tick}: {what} of the image in QEMU differ from those in process. Is it of this version? `cargo xtask \
+         node` rebuilds it ({image} names another one)"
     )]
     Differs {
         /// Tick of the difference.

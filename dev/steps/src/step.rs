@@ -101,7 +101,7 @@ impl Beside {
         command.stdin(Stdio::null()).stdout(output.try_clone()?).stderr(output);
         let child = command.spawn().with_context(|| format!("cannot start {}", line(command)))?;
         let command = line(command);
-        eprintln!("\n== {title}: beside the next steps, its output in {}", log.display());
+        eprintln!("\n== {title}: runs beside the next steps; output: {}", log.display());
         Ok(Self { title, command, child, log })
     }
 
@@ -111,11 +111,11 @@ impl Beside {
     /// If the program failed.
     pub fn end(mut self) -> Result<()> {
         let Self { title, command, child, log } = &mut self;
-        eprintln!("\n== {title}: what is left of it");
+        eprintln!("\n== {title}: waiting for its end");
         let start = Instant::now();
         let status = child.wait()?;
         eprint!("{}", String::from_utf8_lossy(&fs::read(log)?));
-        record(&format!("{title}: what is left of it"), start.elapsed());
+        record(&format!("{title}: waiting for its end"), start.elapsed());
         if !status.success() {
             bail!("{title}: {status}\n  {command}");
         }

@@ -73,8 +73,8 @@ fn distances_are_written_for_numpy_whole_or_not_at_all() {
 
     for (more, part) in [
         (&["--out", "a.txt"][..], "--out a.txt: expected a file named *.npy"),
-        (&["--out", "a.npy", "--metric", "angles", "--steps", "5"], "--steps: expected with"),
-        (&["--out", "/nowhere/a.npy"], "/nowhere: expected a folder that is there"),
+        (&["--out", "a.npy", "--metric", "angles", "--steps", "5"], "--steps: expected only with"),
+        (&["--out", "/nowhere/a.npy"], "/nowhere: expected an existing folder"),
     ] {
         let output = study(&[&["distances", "--quick"], more].concat());
         let told = String::from_utf8_lossy(&output.stderr);

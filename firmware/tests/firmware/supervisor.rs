@@ -119,7 +119,7 @@ fn arming_says_what_is_missing() {
     );
     let hot = refused(|inputs| inputs.findings.note(Fault::HotMeasured));
     assert_eq!(hot, Refused::Fault(Fault::HotMeasured));
-    assert_eq!(hot.to_string(), "fault 5 (hot, measured): mend it and clear it first");
+    assert_eq!(hot.to_string(), "fault 5 (hot, measured): remove its cause and clear it first");
     assert_eq!(rig.command(Command::Arm).answer, Some(Ok(State::Arming)));
     let again = rig.command(Command::Arm).answer.unwrap().unwrap_err();
     assert_eq!(again.to_string(), "the rig is arming: wait until that is over");

@@ -20,7 +20,9 @@ pub enum WiringError {
         holds: usize,
     },
     /// There are too many lines, no lines, or a servo or the loop refers to a line that does not exist.
-    #[error("there are too many lines for this board, none, or servos on one that there is not")]
+    #[error(
+        "the wiring has no line, too many lines for this board, or servos on a line that does not exist"
+    )]
     Line,
     /// A Dynamixel has a model that is not in the table.
     #[error("servo {id} is a Dynamixel of model {found}, which is not in the table")]
@@ -31,7 +33,7 @@ pub enum WiringError {
         found: u16,
     },
     /// A servo is on a line with another maker's protocol.
-    #[error("a servo is on a line where another protocol is spoken")]
+    #[error("a servo is on a line of another protocol")]
     Protocol,
     /// The chip's clock cannot be divided to the requested pulse rate.
     #[error("a PCA9685 makes 24 to 1526 pulses a second at 25 MHz")]

@@ -239,8 +239,8 @@ impl Room {
         let is_one = reference.part != ClipPart::Whole && first == last;
         if places.is_empty() || (is_one && first != *places.start()) {
             bail!(
-                "{file}: expected a place at least {:.3} s from the clip's start and {:.3} s from its end, for half the \
-                 blend on both sides and what is left of the clip (see --alone-s)",
+                "{file}: expected a place at least {:.3} s from the clip's start and {:.3} s from its end, for half of \
+                 the blend on both sides and the part that plays alone (see --alone-s)",
                 seconds(before),
                 seconds(after)
             );

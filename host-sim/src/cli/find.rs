@@ -185,7 +185,7 @@ impl Args {
             let all_s = start.elapsed().as_secs_f64();
             ensure!(
                 all.moments == found.moments,
-                "--check: computing every distance finds other moments: this is a mistake of the program"
+                "--check: computing every distance finds other moments: this is a bug of the program"
             );
             note(format_args!(
                 "checked: the same moments; {:.1} ms, and {:.1} ms by computing every distance",
@@ -214,7 +214,7 @@ impl Args {
     ) -> Option<(usize, std::ops::Range<usize>)> {
         let place = |file: &PathBuf| file.canonicalize().ok();
         let clip = library.clips.iter().position(|clip| place(&clip.file) == place(&query.file))?;
-        note(format_args!("{}: where the query is from does not count", query.name));
+        note(format_args!("{}: the query's own place does not count", query.name));
         if self.like.part == ClipPart::Whole {
             return Some((clip, 0..usize::MAX));
         }

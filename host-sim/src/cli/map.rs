@@ -106,7 +106,7 @@ fn on_figure(path: &Path, units: UnitOverrides) -> anyhow::Result<String> {
     let metres_per_unit = unit?;
     if recording.frame_time_s.is_none() {
         note(format_args!(
-            "note: {}: the file does not tell its frame rate: add `rate_hz = 120`, if it is CMU's, or what it is",
+            "note: {}: the file does not state its frame rate: add its rate, such as `rate_hz = 120` for CMU's files",
             file.name
         ));
     }

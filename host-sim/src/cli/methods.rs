@@ -34,7 +34,7 @@ impl ValueEnum for MethodArg {
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         match self {
-            Self::All => Some(PossibleValue::new("all").help("All of these but `accumulated`")),
+            Self::All => Some(PossibleValue::new("all").help("All of these except `accumulated`")),
             Self::One(method) => Some(PossibleValue::new(method.as_str()).help(method.summary())),
         }
     }
@@ -58,7 +58,7 @@ pub(super) fn check_fixed(setup: &Setup, methods: &[MethodName]) -> anyhow::Resu
         match of_method.check() {
             Err(SetupError::Controller(SettingError::Fixed { key })) if methods.len() > 1 => {
                 note(format_args!(
-                    "{method} keeps its own controller.{key}: what is set is for the other methods"
+                    "{method} keeps its own controller.{key}: the setting applies to the other methods"
                 ));
             }
             Err(error @ SetupError::Controller(SettingError::Fixed { .. })) => bail!(error),

@@ -143,7 +143,7 @@ fn tell(name: &str, rig: &LoadedRig, taken: &RetargetedClip) {
     let rig = &rig.description.name;
     if taken.limbs > 0 {
         note(format_args!(
-            "{name} on {rig}: {} limbs followed, {:.1} deg off in the mean, {:.1} at most{}",
+            "{name} on {rig}: {} limbs followed, mean error {:.1} deg, largest {:.1} deg{}",
             taken.limbs,
             taken.limbs_mean_deg,
             taken.limbs_max_deg,

@@ -151,7 +151,7 @@ impl ServosArgs {
             kind.name(),
             match &kind {
                 Kind::Servo(_) => "",
-                Kind::Registers(_) => ": registers only, nobody has measured its motor",
+                Kind::Registers(_) => ": registers only, its motor has not been measured",
             }
         ));
         let load = match &kind {
@@ -189,7 +189,7 @@ fn of_rig(loaded: &LoadedRig, path: &Path) -> anyhow::Result<Vec<Wanted>> {
     let mut wanted = Vec::new();
     for servo in servos {
         let Some(id) = servo.id() else {
-            note(format_args!("servo {:?} takes pulses: it is left out", servo.name));
+            note(format_args!("servo {:?} is driven by pulses: it is left out", servo.name));
             continue;
         };
         wanted.push(Wanted {

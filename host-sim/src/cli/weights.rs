@@ -116,11 +116,11 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let methods = methods(&args.method, character.mesh());
     ensure!(
         args.radii.is_none() || methods.contains(&Method::Cylinders),
-        "--radii: expected with the method cylinders, which alone has a use for them"
+        "--radii: expected only with the method cylinders"
     );
     ensure!(
         args.vertex_area == VertexAreaArg::Surface || methods.contains(&Method::Mesh),
-        "--vertex-area article: expected with the method mesh, which alone has a use for it"
+        "--vertex-area article: expected only with the method mesh"
     );
     let settings = Settings {
         base: args.base,

@@ -65,7 +65,7 @@ pub(super) fn of_character(
     // The reader has converted it to metres.
     if let Some(metres_per_unit) = units.metres_per_unit {
         inspected.metres_per_unit = Some(metres_per_unit);
-        "as you say".clone_into(&mut inspected.unit_reason);
+        "as you specified".clone_into(&mut inspected.unit_reason);
     }
     let rest_m = rest.skeleton.rest_positions_m();
     let joint = |body: &str| matched.joint(limb_landmark(body)?);

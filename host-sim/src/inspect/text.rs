@@ -20,7 +20,7 @@ pub(super) fn block(it: &Inspected) -> String {
     line("joints", &it.joints.to_string());
     if let Some(frames) = it.frames {
         let rate = it.rate_hz.map_or_else(
-            || "the file does not tell their rate".to_owned(),
+            || "the file does not state their rate".to_owned(),
             |rate_hz| {
                 format!("{rate_hz:.3} a second, {:.2} s", frames.saturating_sub(1) as f64 / rate_hz)
             },

@@ -267,8 +267,8 @@ fn a_show_of_version_1_is_refused_with_how_to_make_it_anew() {
     fs::write(folder.join("old.show"), SHOW_OF_VERSION_1).expect("a file");
     done(folder, &["rig", "new", "--arm", "3", "-o", "arm.toml"]);
     let said = refused(folder, &["play", "old.show", "--rig", "arm.toml"]);
-    let why = "old.show: the show is of version 1, which is no longer read: make it anew from its clip, with `sinew bake \
-               CLIP --rig RIG`";
+    let why = "old.show: the show is of version 1, which is no longer read: bake it again from its clip, with `sinew \
+        bake CLIP --rig RIG`";
     assert!(said.contains(why), "{said}");
     // `bake` does not make such a show either: without a rig it used to write the figure's poses.
     let said = refused(folder, &["bake", "kicks_01", "--output", "new.show"]);
@@ -320,11 +320,11 @@ fn a_file_of_another_kind_is_named() {
     fs::write(folder.join("map.toml"), "name = 'a'\n[body]\n").expect("a file");
     fs::write(folder.join("a.show"), SHOW_OF_VERSION_1).expect("a file");
     let files = [
-        ("m21.bvh", "a BVH motion, which `sinew clip`, `bake`"),
-        ("esc.glb", "a glTF character, which `sinew clip inspect`"),
-        ("rig.urdf", "a URDF rig, which `sinew rig`"),
-        ("map.toml", "a mapping on the human figure, which `--mapping` takes"),
-        ("a.show", "a show, which `sinew play`"),
+        ("m21.bvh", "a BVH motion, for `sinew clip`, `bake`"),
+        ("esc.glb", "a glTF character, for `sinew clip inspect`"),
+        ("rig.urdf", "a URDF rig, for `sinew rig`"),
+        ("map.toml", "a mapping on the human figure, for `--mapping` without"),
+        ("a.show", "a show, for `sinew play`"),
     ];
     let commands: [(&[&str], &[&str]); 6] = [
         (&["rig", "import"], &["rig.urdf"]),

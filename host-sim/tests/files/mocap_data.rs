@@ -383,7 +383,7 @@ fn the_same_motion_as_bvh_and_as_asf_and_amc_is_the_same() {
     let (_, notices) = prepare(read.clone(), &settings).expect("a motion");
     assert_eq!(
         notices[1].to_string(),
-        "taken as 120 Hz, the mapping's `rate_hz`: the recording does not tell its rate"
+        "taken as 120 Hz, the mapping's `rate_hz`: the recording does not state its rate"
     );
     let read = gapless(read).0;
     assert!((read.rate_hz() - 120.0).abs() < 1e-9);

@@ -183,10 +183,13 @@ fn a_folder_of_another_sweep_is_left_alone() {
     let torn = [&before[..], b"{\"cell\":3"].concat();
     fs::write(folder.join("out/journal.jsonl"), &torn).unwrap();
     let error = refuse(folder, "out", &[]);
-    assert!(error.contains("journal.jsonl: of another sweep: its grids differ"), "{error}");
+    assert!(error.contains("journal.jsonl: belongs to another sweep: its grids differ"), "{error}");
     assert_eq!(fs::read(folder.join("out/journal.jsonl")).unwrap(), torn);
     let error = refuse(folder, "merged", &["--merge", "out"]);
-    assert!(error.contains("out/journal.jsonl: of another sweep: its grids differ"), "{error}");
+    assert!(
+        error.contains("out/journal.jsonl: belongs to another sweep: its grids differ"),
+        "{error}"
+    );
 
     fs::write(folder.join("sweep.toml"), SWEEP).unwrap();
     let before = String::from_utf8(before).unwrap();

@@ -146,11 +146,11 @@ fn what_cannot_be_done_is_said() {
         (&["--up", "w"], "expected x, y or z"),
         (
             &["--method", "lengths", "--radii", "0.1"],
-            "error: --radii: expected with the method cylinders",
+            "error: --radii: expected only with the method cylinders",
         ),
         (
             &["--vertex-area", "article"],
-            "error: --vertex-area article: expected with the method mesh",
+            "error: --vertex-area article: expected only with the method mesh",
         ),
         (&["--metres-per-unit", "0"], "expected a length in m from 1e-6 to 1000"),
     ] {

@@ -155,7 +155,7 @@ fn what_cannot_be_is_refused_by_line_and_name() {
             "q.nod,q.rise\n0,nan\n",
             "line 2, column `q.rise`: expected a number",
         ),
-        (&["dynamics", "lamp.urdf"], "q.nod,q.nod\n0,0\n", "column `q.nod` stands twice"),
+        (&["dynamics", "lamp.urdf"], "q.nod,q.nod\n0,0\n", "column `q.nod` occurs twice"),
         (&["check", "none.toml"], "", "none.toml"),
         (&["check", "lamp.urdf", "--rate-hz", "nan"], "", "expected a number from 1 to 100000"),
         (&["new"], "", "--arm"),
@@ -230,8 +230,8 @@ fn a_rig_in_millimetres_is_refused_until_its_unit_is_told() {
     let done = sinew(folder.path(), &told, "");
     assert_done(&done);
     let said = text_of(&done);
-    assert!(said.contains("0.200 m across; a unit is 0.001 m (as you say)"), "{said}");
-    assert!(said.contains("y is up (as you say)"), "{said}");
+    assert!(said.contains("0.200 m across; a unit is 0.001 m (as you specified)"), "{said}");
+    assert!(said.contains("y is up (as you specified)"), "{said}");
     let rig = text(&done.stdout);
     assert!(rig.contains("position_m = [0.2, 0, 0]") && rig.contains("speed_m_s = 0.2"), "{rig}");
 

@@ -83,7 +83,7 @@ pub enum AimStatus {
 /// already weighted with β: eq. (9) and (10).
 #[expect(
     clippy::inline_always,
-    reason = "as a call it costs 60 instructions a body, that go through memory"
+    reason = "a call would cost 60 more instructions per body, to pass values through memory"
 )]
 #[inline(always)]
 pub(super) fn with_turn(

@@ -90,7 +90,10 @@ fn turn_to_goal(arm: Vec3, linear_m: Vec3, beta: f32) -> Result<(Quat, AimStatus
     let axis = arm.cross(way);
     let (sine_squared, cosine) = (axis.dot(axis), arm.dot(way));
     if sine_squared >= SMALLEST_SINE * SMALLEST_SINE * lengths_squared {
-        #[expect(clippy::float_cmp, reason = "as it was set: next to 1 the other way is right too")]
+        #[expect(
+            clippy::float_cmp,
+            reason = "a setting is compared; for values near 1 the other branch is right, too"
+        )]
         let turn = if beta == 1.0 && cosine > 0.0 {
             // The paper's full rotation (β = 1) needs no arctangent: it is halfway between the identity and twice the
             // rotation.

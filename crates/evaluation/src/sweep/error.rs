@@ -48,7 +48,7 @@ pub enum SweepError {
     },
     /// A folder that contains another sweep.
     #[error(
-        "{}: of another sweep: its {what} differ; give another folder, or remove this file to start over",
+        "{}: belongs to another sweep: its {what} differ; give another folder, or remove this file to start over",
         journal.display()
     )]
     Foreign {
@@ -74,7 +74,7 @@ pub enum SweepError {
         journal: PathBuf,
     },
     /// A unit with different results in two shards.
-    #[error("{}: cell {cell} on clip {clip} came out otherwise in another shard", journal.display())]
+    #[error("{}: cell {cell} on clip {clip} has a different result in another shard", journal.display())]
     Contradiction {
         /// Path of the journal.
         journal: PathBuf,
@@ -85,8 +85,8 @@ pub enum SweepError {
     },
     /// Shards that are not complete together.
     #[error(
-        "{missing} runs are in none of the shards, the first of them cell {cell} on clip {clip}; what there \
-         is has been put together: merge the other shards, or make the runs here without --merge"
+        "{missing} runs are in none of the shards, the first of them cell {cell} on clip {clip}; the tables contain \
+         the others: merge the other shards, too, or run these here without --merge"
     )]
     Incomplete {
         /// Number of missing units.

@@ -37,10 +37,10 @@ pub enum Outcome {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Notice {
     /// The journal contains finished units.
-    #[error("goes on with {0} finished runs")]
+    #[error("continues with {0} finished runs")]
     Resumed(usize),
     /// The last line is cut off.
-    #[error("the last line was cut off; its run is made again")]
+    #[error("the last line was cut off; its run is repeated")]
     Torn,
 }
 

@@ -92,7 +92,8 @@ fn propose(recording: &Recording) -> Result<ChosenMapping<'static>, String> {
         proposed.as_ref().filter(|least| least.confidence < SURE)
     {
         return Err(format!(
-            "not sure of {body}: {reason}. Look at what `sinew clip map` prints, and give it with --mapping if it is right"
+            "not sure of {body}: {reason}. Check the output of `sinew clip map`, and give it with --mapping if it is \
+             right"
         ));
     }
     let mapping = Mapping::try_from(proposal.map)?;

@@ -40,8 +40,8 @@ pub enum Error {
     },
     /// A skeleton that matches no known mapping.
     #[error(
-        "no known skeleton has the joints {found} (tried: {tried}).{nearest} Write a mapping after what \
-         `sinew clip map` prints, and give it with --mapping"
+        "no known skeleton has the joints {found} (tried: {tried}).{nearest} Write a mapping, starting from the output \
+         of `sinew clip map`, and give it with --mapping"
     )]
     NoneMatches {
         /// Joints of the skeleton.
@@ -80,8 +80,8 @@ pub enum Error {
 /// The error of a recording whose frame rate is neither in the file nor in its mapping.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "the file does not tell its frame rate, and neither does mapping `{mapping}`: expected \
-     `rate_hz = 120` or the like in the mapping"
+    "the file does not state its frame rate, nor does mapping `{mapping}`: expected a line such as `rate_hz = 120` in \
+     the mapping"
 )]
 pub struct NoRate {
     /// Name of the mapping.

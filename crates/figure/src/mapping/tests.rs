@@ -134,8 +134,8 @@ fn names_joints_and_mappings_when_none_matches() {
         choose(&chain(&["a", "b"])).unwrap_err().to_string(),
         "no known skeleton has the joints a, b (tried: sinew, cgspeed_mb, cgspeed_mb_asf, asfamc, cmu_asf, \
          cgspeed_daz, m21, bandai, geno, deepmimic, mixamo, mixamo_body, lafan1, xsens_mvn, xsens_bvh, axis_neuron, \
-         rokoko, mocopi, makehuman, makehuman_walks, second_life). Write a mapping after what `sinew clip map` prints, and \
-         give it with --mapping"
+         rokoko, mocopi, makehuman, makehuman_walks, second_life). Write a mapping, starting from the output of `sinew \
+         clip map`, and give it with --mapping"
     );
 }
 

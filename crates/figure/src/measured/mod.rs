@@ -89,7 +89,7 @@ impl Measured {
     #[must_use]
     pub fn or_unit(mut self, metres_per_unit: Option<f64>) -> Self {
         if self.metres_per_unit.is_none() && metres_per_unit.is_some() {
-            self.unit_reason = format!("taken so: {}; see --metres-per-unit", self.unit_reason);
+            self.unit_reason = format!("assumed: {}; see --metres-per-unit", self.unit_reason);
             self.metres_per_unit = metres_per_unit;
         }
         self

@@ -27,7 +27,7 @@ pub(super) fn find(
     given: Option<f64>,
 ) -> Result<(f64, String), String> {
     if let Some(metres) = given {
-        return Ok((metres, "as you say".to_owned()));
+        return Ok((metres, "as you specified".to_owned()));
     }
     if let Some(metres) = recording.metres_per_unit {
         return Ok((metres, "as its format says".to_owned()));
@@ -59,7 +59,7 @@ pub(super) fn find(
     }
     by_height.ok_or_else(|| match guess {
         Some(unit) => unit.reason.clone(),
-        None => "no arms and legs tell the body's height".to_owned(),
+        None => "no arms and legs show the body's height".to_owned(),
     })
 }
 

@@ -50,7 +50,7 @@ impl UpGuess {
             doubt,
         };
         if let Some(up) = units {
-            return found(up.axis(), "as you say", lies(matched, up.axis()));
+            return found(up.axis(), "as you specified", lies(matched, up.axis()));
         }
         if let Some((up, who)) = said {
             return found(up.axis(), who, lies(matched, up.axis()));

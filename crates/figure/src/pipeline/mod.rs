@@ -70,7 +70,9 @@ pub enum Notice {
     #[error("{0}")]
     File(String),
     /// The frame rate is the mapping's.
-    #[error("taken as {rate_hz} Hz, the mapping's `rate_hz`: the recording does not tell its rate")]
+    #[error(
+        "taken as {rate_hz} Hz, the mapping's `rate_hz`: the recording does not state its rate"
+    )]
     RateAssumed {
         /// Rate in Hz.
         rate_hz: f64,
@@ -100,7 +102,7 @@ pub enum Notice {
     JointFlips(Flips),
     /// The clip's rate is too low for the cutoff.
     #[error(
-        "not low-passed: a rate of {rate_hz} Hz holds nothing above the cutoff of {cutoff_hz} Hz"
+        "not low-passed: a rate of {rate_hz} Hz contains nothing above the cutoff of {cutoff_hz} Hz"
     )]
     NotFiltered {
         /// Rate of the clip, Hz.
@@ -246,7 +248,7 @@ impl Settings {
         if !((1.0..=1e4).contains(&factor) && (factor - factor.round()).abs() < 1e-9 * factor) {
             return Err(Error::Setting {
                 name: "frame_rate_hz",
-                expected: "a rate of frames that goes into the rate of control a whole number of times",
+                expected: "a frame rate that divides the control rate",
                 value: frame_rate_hz,
             });
         }

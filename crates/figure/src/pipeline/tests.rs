@@ -66,7 +66,7 @@ fn leaves_the_low_pass_out_where_the_rate_is_too_low() {
     let (motion, notices) = prepare(clip, &Settings::default()).unwrap();
     assert_eq!(
         notices[2].to_string(),
-        "not low-passed: a rate of 12 Hz holds nothing above the cutoff of 6 Hz"
+        "not low-passed: a rate of 12 Hz contains nothing above the cutoff of 6 Hz"
     );
     // 0.1 s is 1.2 frames; therefore 38 frames are left: 37 / 12 s.
     assert_eq!(motion.rotation.len(), 309);

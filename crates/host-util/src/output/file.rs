@@ -56,7 +56,8 @@ impl Pending {
         }
         let is_link = fs::symlink_metadata(path).is_ok_and(|it| it.file_type().is_symlink());
         if is_link && old.is_none() {
-            let what = "it is a link to what is not there: write there, or remove the link";
+            let what =
+                "it is a link to a file that does not exist: write there, or remove the link";
             return Err(io::Error::new(io::ErrorKind::NotFound, what));
         }
         // A link is kept: its target is replaced.

@@ -35,7 +35,7 @@ pub fn write(path: &Path, bytes: impl AsRef<[u8]>) -> anyhow::Result<()> {
 pub fn try_to_write(path: &Path) -> anyhow::Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     if folder.is_some_and(|folder| !folder.is_dir()) {
-        bail!("{}: cannot be written: expected a folder that is there", path.display());
+        bail!("{}: cannot be written: expected an existing folder", path.display());
     }
     let is_file = std::fs::metadata(path).map_or(true, |there| there.is_file() || there.is_dir());
     if !is_file || path.starts_with("/dev") {

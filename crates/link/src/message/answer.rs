@@ -69,7 +69,7 @@ impl fmt::Display for Limit {
             Self::Room => "the board's memory",
             Self::SoftStart => "the soft start",
             Self::Maintenance => "the slow speed of maintenance",
-            Self::Link => "what the line carries",
+            Self::Link => "the capacity of the host link",
         })
     }
 }
@@ -192,30 +192,30 @@ impl fmt::Display for Refusal {
                 "the way to stop was not tested since the rig became limp: test it first",
             ),
             Self::FeedSilent(feed) => write!(f, "the feed ({feed}) gives no poses: start it first"),
-            Self::Fault(fault) => write!(f, "fault {fault}: mend it and clear it first"),
+            Self::Fault(fault) => write!(f, "fault {fault}: remove its cause and clear it first"),
             Self::StillThere(fault) => {
                 write!(f, "fault {fault} is still there: nothing was cleared")
             }
-            Self::NeedsUpload(fault) => write!(f, "fault {fault} goes with a new upload alone"),
+            Self::NeedsUpload(fault) => write!(f, "fault {fault} is cleared only by a new upload"),
             Self::NoFault => f.write_str("no fault is latched"),
             Self::InMaintenance(Operator(id)) => {
                 write!(f, "operator {id} has the rig for maintenance, and must leave it first")
             }
             Self::Unknown => f.write_str("there is no such thing"),
-            Self::Value => f.write_str("the value cannot be"),
+            Self::Value => f.write_str("the value is invalid"),
             Self::Capacity { room, needs } => {
-                write!(f, "the board has room for {room}, and this takes {needs}")
+                write!(f, "the board has room for {room}, and this needs {needs}")
             }
             Self::NoFreeSlot => {
                 f.write_str("every slot that is large enough holds a show: delete one first")
             }
             Self::Offset { next } => write!(f, "the next byte to send is that at {next}"),
-            Self::Hash => f.write_str("the whole has another SHA-256 than was said: it is dropped"),
+            Self::Hash => f.write_str("the content has another SHA-256 than was announced: it is discarded"),
             Self::OtherRig { show, rig } => {
                 write!(f, "the show is of rig {show:08x}, the controller has rig {rig:08x}")
             }
             Self::Content(number) => write!(f, "its content is wrong: error {number}"),
-            Self::Memory => f.write_str("the memory did not take it: begin an upload again"),
+            Self::Memory => f.write_str("the memory did not store it: begin an upload again"),
             Self::Unsupported => f.write_str("this firmware cannot do it"),
             Self::Busy => f.write_str("something else is being done: try again"),
             Self::RegistersUnread => f.write_str(
@@ -233,7 +233,7 @@ impl fmt::Display for Refusal {
                 write!(f, "setting {key} is {found}; it must be a number from {least} to {most}")
             }
             Self::NoEffort => f.write_str(
-                "not every servo takes an effort: what is driven by position cannot float; teach it limp",
+                "not every servo accepts an effort: a servo driven by position cannot float; teach with torque off",
             ),
         }
     }

@@ -17,8 +17,8 @@ pub enum Error {
     },
     /// The skeleton file of the motion was not found.
     #[error(
-        "{}: expected its skeleton in the same folder ({}, or the only *.asf there), found {found} \
-         *.asf files, none so named",
+        "{}: expected its skeleton in the same folder ({}, or the only *.asf there), found {found} *.asf files, none \
+         with such a name",
         file.display(), expected.join(" or ")
     )]
     NoSkeleton {

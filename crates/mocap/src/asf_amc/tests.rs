@@ -385,8 +385,8 @@ fn finds_the_skeleton_of_a_motion() {
     let error = read(&motion).unwrap_err().to_string();
     assert!(
         error.ends_with(
-            "07_01.amc: expected its skeleton in the same folder (`07_01.asf` or `07.asf`, or the \
-             only *.asf there), found 0 *.asf files, none so named"
+            "07_01.amc: expected its skeleton in the same folder (`07_01.asf` or `07.asf`, or the only *.asf there), \
+             found 0 *.asf files, none with such a name"
         ),
         "{error}"
     );

@@ -110,7 +110,7 @@ fn takes_utf16_and_says_of_other_bytes_that_they_are_no_text() {
         assert_eq!(parse(&bytes, Path::new("clip.bvh")).unwrap(), recording(VALID));
     }
     let error = parse(b"\x1f\x8b\x08\x99", Path::new("clip.bvh")).unwrap_err().to_string();
-    assert_eq!(error, "clip.bvh:1:1: expected `HIERARCHY`, found bytes that are no text");
+    assert_eq!(error, "clip.bvh:1:1: expected `HIERARCHY`, found bytes that are not text");
 }
 
 #[test]
@@ -170,7 +170,7 @@ fn refuses_what_is_no_bvh() {
     assert_eq!(error_of(""), "1:1: expected `HIERARCHY`, found the end of the file");
     assert_eq!(
         error_of("\n\n  PK\u{3}\u{4}"),
-        "3:3: expected `HIERARCHY`, found bytes that are no text"
+        "3:3: expected `HIERARCHY`, found bytes that are not text"
     );
     assert_eq!(error("ROOT", "JOINT"), "2:1: expected `ROOT`, found `JOINT`");
     assert_eq!(

@@ -31,8 +31,8 @@ pub enum PartsError {
     Gain(#[from] sinew_servo_tools::ServiceError),
     /// A joint oscillates by itself: even the slowest observer that the rule allows is too fast for the gear.
     #[error(
-        "servo `{servo}` would shake its joint: an observer of {} rad/s at {rate_hz} Hz is too fast for its gear; take a \
-         stiffer gear, less load, or `--drive {}` (`sinew rig check` has the loops)",
+        "servo `{servo}` would shake its joint: an observer of {} rad/s at {rate_hz} Hz is too fast for its gear; take \
+         a stiffer gear, less load, or `--drive {}` (`sinew rig check` shows the loops)",
         shown((*bandwidth_rad_s).into(), 0),
         if *voltage_bears { "voltage" } else { "position" }
     )]
@@ -81,8 +81,8 @@ pub enum PartsError {
     },
     /// Servos share a drive, but only some of them use pulses.
     #[error(
-        "servos `{one}` and `{other}` share a drive, and `{one}` alone takes pulses: expected both on a bus, or both on \
-         pulses"
+        "servos `{one}` and `{other}` share a drive, and only `{one}` is driven by pulses: expected both on a bus, or \
+         both on pulses"
     )]
     Mixed {
         /// A servo that uses pulses.
@@ -133,7 +133,7 @@ pub enum PartsError {
 /// Describes the drive that a servo lacks, and the drives that it supports.
 fn instead(asked: Drive, takes: &[Drive]) -> String {
     if takes.contains(&Drive::Pulses) {
-        return "takes pulses alone; leave `--drive` out".to_owned();
+        return "is driven only by pulses; leave `--drive` out".to_owned();
     }
     let takes: Vec<&str> = takes.iter().map(|drive| drive.name()).collect();
     format!("has no {} mode; choose {}", asked.name(), takes.join(" or "))

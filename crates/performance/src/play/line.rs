@@ -139,13 +139,13 @@ fn spoken(servo: &RigServo) -> Result<Spoken, PartsError> {
         (Some(_), Address::Channel(channel)) => Err(PartsError::Address {
             servo: servo.name.clone(),
             model: servo.kind.name.clone(),
-            expected: "an `id`, since it hangs on a bus",
+            expected: "an `id`, since it is on a bus",
             found: format!("channel {channel}"),
         }),
         (None, Address::Id(id)) => Err(PartsError::Address {
             servo: servo.name.clone(),
             model: servo.kind.name.clone(),
-            expected: "a `channel`, if it takes pulses; nobody has written its registers down",
+            expected: "a `channel`, if it is driven by pulses; its registers are not known",
             found: format!("id {id}"),
         }),
     }

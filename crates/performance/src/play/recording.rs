@@ -36,13 +36,13 @@ pub enum RecordingError {
     #[error("expected a recording of `sinew play --record` in Parquet, found {}", Kind::found(*.0))]
     NotParquet(Option<Kind>),
     /// A Parquet file with other content.
-    #[error("is no recording of `sinew play --record`: a Parquet file of something else")]
+    #[error("is not a recording of `sinew play --record`, but another Parquet file")]
     Other,
     /// No part is complete.
-    #[error("is cut off before the end of its first part: nothing of it is whole")]
+    #[error("is cut off before the end of its first part: no part of it is complete")]
     Nothing,
     /// A bit of the file was changed.
-    #[error("is damaged: its checksum is not that of what is in it. A copy of it may be whole")]
+    #[error("is damaged: its checksum does not match its content. Another copy may be intact")]
     Sum,
     /// The recording lacks a required column.
     #[error("has no column {0:?}, which each recording has")]

@@ -34,7 +34,9 @@ pub(super) struct Needs {
 #[non_exhaustive]
 pub enum RateError {
     /// The requested rate is too high.
-    #[error("--rate-hz {asked_hz}: line {line:?} at {baud} bit/s has no time for it; {fits}")]
+    #[error(
+        "--rate-hz {asked_hz}: line {line:?} at {baud} bit/s is too slow for this rate; {fits}"
+    )]
     Asked {
         /// The requested rate, Hz.
         asked_hz: u32,
@@ -47,8 +49,9 @@ pub enum RateError {
     },
     /// A board needs too much time for computing.
     #[error(
-        "by the estimate a board computes {ms:.1} ms a tick for {servos} servos by current, and has no time for line \
-         {line:?} besides at {slowest_hz} Hz, the slowest; `--drive position` does with 50 to 100 Hz"
+        "by estimate, a board computes {ms:.1} ms per tick for {servos} servos driven by current, and the rest of the \
+         tick is too short for line {line:?} even at {slowest_hz} Hz, the lowest rate; `--drive position` needs only \
+         50 to 100 Hz"
     )]
     Board {
         /// Computing time per tick, ms.
@@ -107,7 +110,7 @@ pub(super) fn choose(
         let (line, load) = lines[slow];
         let fitting = tried.iter().filter(|hz| **hz < asked_hz).find(|hz| fits(**hz).is_ok());
         let fits = match fitting {
-            Some(hz) => format!("{hz} Hz does fit"),
+            Some(hz) => format!("{hz} Hz is possible"),
             None => "choose a higher --baud".to_owned(),
         };
         RateError::Asked { asked_hz, line: line.to_owned(), baud: load.timing.baud, fits }

@@ -32,7 +32,7 @@ impl FromStr for ServoChoice {
         match Kind::named(kind.trim()).map_err(|error| error.to_string())? {
             Kind::Servo(kind) => Ok(Self { joint, model: kind.name }),
             Kind::Registers(table) => Err(format!(
-                "nobody has measured the motor of {}: it cannot be played on; expected another kind, such as xm430",
+                "the motor of {} has not been measured, so it cannot be simulated; expected another kind, such as xm430",
                 ServoModel::with_article(table.name())
             )),
         }

@@ -148,7 +148,8 @@ impl Tally {
         let (incomplete, why) = sim.incomplete();
         let why = why.map_or_else(String::new, |why| format!(" ({why})"));
         let pulses = if self.tells_nothing {
-            "Servos on pulses tell nothing: their error is that of the simulated rig, which no real one knows.\n"
+            "Servos driven by pulses report nothing: their error is that of the simulated rig, and is unknown on a \
+             real rig.\n"
         } else {
             ""
         };

@@ -197,7 +197,7 @@ fn a_class_that_a_kind_does_not_have_is_refused() {
             panic!("{drive:?} is taken by servos on pulses")
         };
         let expected = format!(
-            "--drive {}: servo `neck_turn` is an MG90S, which takes pulses alone; leave `--drive` out",
+            "--drive {}: servo `neck_turn` is an MG90S, which is driven only by pulses; leave `--drive` out",
             drive.name()
         );
         assert_eq!(error.to_string(), expected);

@@ -27,7 +27,7 @@ pub enum DynamicsError {
         expected: String,
     },
     /// The header has a column twice.
-    #[error("column `{0}` stands twice")]
+    #[error("column `{0}` occurs twice")]
     RepeatedColumn(String),
     /// The header lacks a column.
     #[error("the column `{0}` is missing")]

@@ -14,12 +14,12 @@ const LONGEST_GAP_S: f64 = 1.0 / 12.0;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ReceivedError {
     /// Fewer than two complete poses were received.
-    #[error("the controller sent {0} whole pose(s): a motion needs two")]
+    #[error("the controller sent {0} complete pose(s): a motion needs two")]
     Few(usize),
     /// There is a gap between poses.
     #[error(
-        "no pose came for {gap_s:.2} s, {at_s:.2} s after the beginning: what the hand did there is not known (at most \
-         {LONGEST_GAP_S:.2} s); a shorter cable, or a faster line"
+        "no pose arrived for {gap_s:.2} s, {at_s:.2} s after the beginning (at most {LONGEST_GAP_S:.2} s are allowed): \
+         the motion in between is not known; use a shorter cable, or a faster line"
     )]
     Gap {
         /// Length of the gap, s.

@@ -25,12 +25,13 @@ pub enum Mode {
 pub enum TeachSessionError {
     /// A servo cannot be commanded by effort.
     #[error(
-        "the rig cannot carry itself: servo `{0}` is driven by position, and takes no effort; teach it limp (`--limp`)"
+        "the rig cannot carry itself: servo `{0}` is driven by position, and accepts no effort; lead it with torque \
+         off (`--limp`)"
     )]
     NoEffort(String),
     /// A servo reports nothing.
     #[error(
-        "nothing can be taught by hand: servo `{0}` takes pulses, and does not tell where it is"
+        "nothing can be recorded by hand: servo `{0}` is driven by pulses, and does not report its position"
     )]
     TellsNothing(String),
     /// The controller refused a command.

@@ -117,7 +117,10 @@ pub fn text(outcome: &Outcome<'_>) -> String {
         line("not converged", format!("{found} of the search, {blended} of the blend"));
     }
     if blend.gave_up > 0 {
-        line("way", "every joint on its own shortest way, as geodesics did not converge".into());
+        line(
+            "way",
+            "every joint on its own shortest path, because geodesics did not converge".into(),
+        );
     }
     line(
         "body",

@@ -92,7 +92,7 @@ pub(super) fn of_format(
     if let Some(metres_per_unit) = units.metres_per_unit {
         measured.height_units /= metres_per_unit;
         measured.metres_per_unit = Some(metres_per_unit);
-        "as you say".clone_into(&mut measured.unit_reason);
+        "as you specified".clone_into(&mut measured.unit_reason);
     }
     if units.up.is_some() {
         "after the turn that you asked for".clone_into(&mut measured.up.reason);

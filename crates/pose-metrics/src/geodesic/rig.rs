@@ -123,7 +123,7 @@ impl Rig {
             let what = if !(0.0..=1e6).contains(&given.weight) {
                 "expected a weight from 0 to 1e6"
             } else if given.parent.map_or(joint > 0, |parent| parent >= joint) {
-                "expected a parent that comes before it, and one root alone"
+                "expected a parent that comes before it, and only one root"
             } else if !((given.rotation.length_squared() - 1.0).abs() < 1e-3
                 && given.offset_m.is_finite())
             {

@@ -33,7 +33,7 @@ impl MeasureArgs {
     pub fn measure(&self) -> anyhow::Result<Measure> {
         ensure!(
             self.steps.is_none() || self.metric.is_length_of_curve(),
-            "--steps: expected with the metrics line and geodesic, which alone have steps"
+            "--steps: expected only with the metrics line and geodesic"
         );
         let measure = Measure::new(self.metric);
         let measure = Measure { steps: self.steps.unwrap_or(measure.steps), ..measure };

@@ -89,7 +89,7 @@ impl<P: Performance> Page<'_, P> {
                             section aria-labelledby="joints-title" {
                                 h2 id="joints-title" { "Joints" }
                                 p class="small" {
-                                    "The most that each joint is asked for, over what it may. "
+                                    "The largest demand on each joint, divided by its limit. "
                                     "Torques are with rotors and friction. Choose a joint to see its plots."
                                 }
                                 (table::joints(drawn))

@@ -165,9 +165,9 @@ fn verdict(joints: &[Joint], watch: &Watch, duration_s: f64) -> String {
     };
     let is_fault = |(_, fault): &&(f64, String)| !fault.starts_with("warning");
     let faults = match watch.faults.iter().filter(is_fault).count() {
-        0 => "no fault came".to_owned(),
-        1 => "one fault came".to_owned(),
-        many => format!("{many} faults came"),
+        0 => "there was no fault".to_owned(),
+        1 => "there was one fault".to_owned(),
+        many => format!("there were {many} faults"),
     };
     format!("{followed}{swinging} In {duration_s:.2} s {faults}.")
 }
@@ -179,11 +179,11 @@ fn notes(watch: &Watch, duration_s: f64) -> Vec<String> {
              them.",
             watch.dt_s().recip()
         ),
-        "Error is the command of the tick before less what was measured after it, as the controller compares them."
+        "Error is the command of the previous tick minus the value measured after it, as in the controller."
             .to_owned(),
         "The thin lines on the stage are where the rig was sent.".to_owned(),
-        "Swing is what of the error alternates faster than some 8 times a second, from peak to peak, where it is largest. \
-         It is bold where the controller warned of it."
+        "Swing is the largest peak-to-peak change of the error that alternates faster than about 8 times a second. It \
+         is bold where the controller warned of it."
             .to_owned(),
     ];
     if watch.end_s() < duration_s - 2.0 * watch.dt_s() {

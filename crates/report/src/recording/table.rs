@@ -49,8 +49,8 @@ fn state(state: &Span) -> Markup {
 pub(super) fn joints(joints: &[Joint], watch: &Watch) -> Markup {
     let head = [
         "Joint",
-        "Error in the mean",
-        "At most",
+        "Mean error",
+        "Largest error",
         "Torque, N\u{a0}m",
         "Current, A",
         "Warmest, °C",

@@ -90,7 +90,7 @@ fn markup(name: &str, mechanism: &Mechanism, review: &Review, data: &str) -> Mar
                     }
                     section id="joints" aria-label="Joints" {
                         h2 { "Joints" }
-                        p class="hint" { "Load: what gravity asks of the joint in this pose." }
+                        p class="hint" { "Load: the effort of the joint against gravity in this pose." }
                         ol id="sliders" {}
                     }
                     section class="findings" aria-label="Findings" {

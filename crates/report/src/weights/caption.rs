@@ -14,8 +14,8 @@ pub(super) const fn class(method: Method) -> &'static str {
 /// Returns a short description of a method.
 pub(super) const fn caption(method: Method) -> &'static str {
     match method {
-        Method::Lengths => "by lengths of bones below",
-        Method::Cylinders => "by surfaces of bones below",
-        Method::Mesh => "by the skin that moves",
+        Method::Lengths => "by lengths of the bones below",
+        Method::Cylinders => "by surfaces of the bones below",
+        Method::Mesh => "by the skin that the joint moves",
     }
 }

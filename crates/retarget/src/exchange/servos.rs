@@ -34,7 +34,8 @@ pub struct ServoTrack {
 pub enum ServoTrackError {
     /// The rig has no servos.
     #[error(
-        "the rig has no servos: expected `[[servo]]` and `[[drive]]` in its rig.toml; `sinew rig import` leaves them to you"
+        "the rig has no servos: expected `[[servo]]` and `[[drive]]` in its rig.toml; `sinew rig import` does not \
+         write them"
     )]
     NoServos,
     /// A servo or drive of the rig is invalid.

@@ -86,7 +86,7 @@ pub enum TableError {
         expected: String,
     },
     /// A column occurs twice.
-    #[error("column `{0}` stands twice")]
+    #[error("column `{0}` occurs twice")]
     Twice(String),
     /// A field is not a number.
     #[error("line {line}, column `{column}`: expected a number from -1e6 to 1e6, found `{found}`")]

@@ -55,8 +55,8 @@ pub enum LoopError {
     },
     /// The base ends too far from its start.
     #[error(
-        "the base `{joint}` ends {way_m:.2} m from where it begins: back within {blend_s:.2} s it would go at \
-         {speed:.2} m/s, and the motion itself never takes it faster than {fastest:.2} m/s: a longer blend, or a \
+        "the base `{joint}` ends {way_m:.2} m from its start: to return within {blend_s:.2} s it would move at \
+         {speed:.2} m/s, but the motion itself never moves it faster than {fastest:.2} m/s: use a longer blend, or a \
          base that does not travel"
     )]
     Travels {
@@ -73,7 +73,8 @@ pub enum LoopError {
     },
     /// A ball joint would rotate by about 180 deg or more.
     #[error(
-        "`{joint}`: its end is too far turned from its beginning, or turns too fast: a shorter blend helps"
+        "`{joint}`: its orientation at the end is too far from that at the start, or turns too fast: a shorter blend \
+         helps"
     )]
     Turns {
         /// Name of the joint.
@@ -81,7 +82,7 @@ pub enum LoopError {
     },
     /// The blend exceeds a limit that the motion itself observes.
     #[error(
-        "`{joint}`: to meet its beginning within {blend_s:.2} s its {} becomes {}, and its limit is {}: a longer \
+        "`{joint}`: to return to its start within {blend_s:.2} s, its {} becomes {}, and its limit is {}: use a longer \
          blend, or a fit",
         kind.name(),
         kind.shown(*slides, *value),

@@ -76,7 +76,10 @@ fn fault(
     let [of_left, of_right] =
         [left, right].map(|body| mechanism.bodies[body].ranges.first().copied());
     if cosine.abs() < NEAR {
-        let text = format!("the axes of {} and {} are no mirror images", names[0], names[1]);
+        let text = format!(
+            "the axes of {} and {} are not mirror images of each other",
+            names[0], names[1]
+        );
         return Some(MirrorFault { joint: left, partner: right, text, is_axis_turned: false });
     }
     let ([least, most], [other_least, other_most]) = (of_left?, of_right?);

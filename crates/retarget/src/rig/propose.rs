@@ -69,10 +69,10 @@ fn of_chain(rig: &AtZero<'_>, chain: &Chain) -> Vec<Group> {
         .map(|((landmark, words), joints)| {
             let mut doubts = Vec::new();
             if chain.side.is_none() {
-                doubts.push("no name tells a side: right is a guess".to_owned());
+                doubts.push("no name shows a side: right is a guess".to_owned());
             }
             if !chain.is_named {
-                doubts.push("no name tells a limb: the only chain is taken for an arm".to_owned());
+                doubts.push("no name shows a limb: the only chain is taken for an arm".to_owned());
             }
             let says = |joint: &usize| text::has(&rig.mechanism.bodies[*joint].joint_name, words);
             if !joints.iter().any(says) {
@@ -150,7 +150,7 @@ fn left_out(mechanism: &Mechanism, groups: &[Group]) -> Vec<UnmatchedJoint> {
             let reason = match words[joint].part {
                 Some(Part::Other) => "by its name no joint of a performer: it stays at home",
                 Some(_) => "beside the chain of its limb: it stays at home",
-                None => "its name tells no part of a body: it stays at home",
+                None => "its name is not that of a part of a body: it stays at home",
             };
             UnmatchedJoint { joint, reason: reason.to_owned() }
         })

@@ -72,8 +72,8 @@ impl<'a> Judge<'a> {
         let mut findings: Vec<String> = self.quadruped.iter().cloned().collect();
         if self.sides_contradict() {
             findings.push(
-                "left and right of the names lie on the wrong sides, as toes and knees tell: a mirrored file, or a \
-                 left-handed one"
+                "left and right in the names are on the wrong sides, by the toes and knees: the file is mirrored, or \
+                 left-handed"
                     .to_owned(),
             );
         }
@@ -118,11 +118,11 @@ impl<'a> Judge<'a> {
             Ok(_) => (
                 0.5,
                 0.7,
-                format!("the {carried} hang on another joint, but the names say this one"),
+                format!(
+                    "the {carried} are attached to another joint, but the names indicate this one"
+                ),
             ),
-            Err(_) => {
-                (0.5, 0.4, format!("its name says it; no {carried} were found that it carries"))
-            }
+            Err(_) => (0.5, 0.4, format!("only its name shows it; no {carried} were found on it")),
         };
         let both = self.trunk.pelvis == self.trunk.chest;
         let alone =
@@ -140,11 +140,13 @@ impl<'a> Judge<'a> {
     fn head_joint(&self, joint: Option<usize>, part: Part) -> Result<Found, String> {
         let joint = joint.ok_or_else(|| match (part, self.trunk.head) {
             (Part::Neck, Some(head)) => {
-                format!("no joint lies between the chest and the head `{}`", self.body.name(head))
+                format!(
+                    "there is no joint between the chest and the head `{}`",
+                    self.body.name(head)
+                )
             }
-            _ => {
-                "no joint goes on from the chest between the arms, and none is called so".to_owned()
-            }
+            _ => "no joint continues from the chest between the arms, and none has this name"
+                .to_owned(),
         })?;
         let neck_is_head = part == Part::Head && self.body.names[joint].best() == Some(Part::Neck);
         let name = if neck_is_head {
@@ -157,7 +159,8 @@ impl<'a> Judge<'a> {
             self.by_name(joint, part)
         };
         let above = self.trunk.chest.is_some_and(|chest| self.body.hangs_on(joint, chest));
-        let tree = (0.4, if above { 1.0 } else { 0.3 }, "it does not hang on the chest".to_owned());
+        let tree =
+            (0.4, if above { 1.0 } else { 0.3 }, "it is not attached to the chest".to_owned());
         Ok(self.weigh(joint, &[name, tree]))
     }
 
@@ -185,8 +188,9 @@ impl<'a> Judge<'a> {
         let pair = self.legs.as_ref().map_err(Clone::clone)?;
         let limb = pair.limb(side).ok_or("only the other side has this limb")?;
         let ankle = limb.joints[2];
-        let joint = toe(self.body, ankle)
-            .ok_or_else(|| format!("no joint lies beyond the ankle `{}`", self.body.name(ankle)))?;
+        let joint = toe(self.body, ankle).ok_or_else(|| {
+            format!("there is no joint beyond the ankle `{}`", self.body.name(ankle))
+        })?;
         let partner = pair.limb(side.other()).and_then(|limb| toe(self.body, limb.joints[2]));
         let mirror = (
             0.2,
@@ -236,7 +240,9 @@ impl<'a> Judge<'a> {
             (None, Some(_)) => {
                 (0.15, 0.7, format!("no name says {word}: so by where toes and knees point"))
             }
-            (None, None) => (0.3, 0.0, "neither names nor feet tell left from right".to_owned()),
+            (None, None) => {
+                (0.3, 0.0, "neither names nor feet distinguish left from right".to_owned())
+            }
         }
     }
 
@@ -269,7 +275,7 @@ fn by_tree(limb: &Limb) -> Evidence {
     (
         0.15,
         1.0 - limb.skipped.min(1.0),
-        "joints that no name explains lie within the limb".to_owned(),
+        "joints without a known name are within the limb".to_owned(),
     )
 }
 

@@ -212,7 +212,7 @@ fn not_believed(body: &Body, legs: &Pair, arms: &Pair) -> Option<String> {
             "the limbs most like legs are {long:.2} times as long as the skeleton reaches: too short for legs"
         ))
     } else if legs.carrier(body) == arms.carrier(body) {
-        Some("all limbs hang on one joint: no trunk between arms and legs".to_owned())
+        Some("all limbs are attached to one joint: no trunk between arms and legs".to_owned())
     } else {
         None
     }

@@ -141,13 +141,13 @@ impl fmt::Display for BoardRigError {
                 write!(f, "there are {found} {what}; there must be {expected}")
             }
             Self::Index { what, index, part, found } => {
-                write!(f, "{what} {index} names {part} {found}, which there is not")
+                write!(f, "{what} {index} refers to {part} {found}, which does not exist")
             }
             Self::Shared { what, index } => {
                 write!(f, "{what} {index} is taken already; each may be used once")
             }
             Self::Number { what, index, found } => {
-                write!(f, "{what} {index} is {found}, which cannot be")
+                write!(f, "{what} {index} is {found}, which is invalid")
             }
             Self::Joints { drive } => write!(
                 f,

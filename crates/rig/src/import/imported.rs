@@ -62,7 +62,7 @@ pub(super) fn tell_massless(description: &Description, notes: &mut Notes) {
     }
     for joint in description.joints.iter().filter(|joint| joint.kind != JointType::Fixed) {
         if carried.get(joint.child.as_str()).is_some_and(|mass_kg| *mass_kg <= 0.0) {
-            let text = "moves and weighs nothing in the file: torques lack what it weighs in truth";
+            let text = "moves, but has no mass in the file: torques do not include its real weight";
             notes.add_of(NoteKind::Doubtful, text, &joint.child);
         }
     }

@@ -19,9 +19,9 @@ pub struct World {
     pub unit_reason: String,
 }
 
-const YOU: &str = "as you say";
+const YOU: &str = "as you specified";
 const FORMAT: &str = "as its format says";
-const GRAVITY: &str = "as its gravity says";
+const GRAVITY: &str = "as its gravity shows";
 /// Units that gravity can reveal, m.
 const UNITS: [f64; 4] = [0.01, 0.001, 0.0254, 0.1];
 /// Relative tolerance of gravity against 9.81 m/s²: 9.8 and 9.80665 are accepted.

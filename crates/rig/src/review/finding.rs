@@ -142,9 +142,9 @@ fn of_loop(dof: &DofReview) -> Option<(Severity, String)> {
     let LoopReview { resonance_hz, bandwidth_rad_s, bearable_rad_s, .. } = *control;
     let bearable_rad_s = bearable_rad_s?;
     let bears = if bearable_rad_s > 0.0 {
-        format!("it bears {} rad/s", shown(bearable_rad_s, 0))
+        format!("it tolerates {} rad/s", shown(bearable_rad_s, 0))
     } else {
-        "it bears none".to_owned()
+        "it tolerates none".to_owned()
     };
     let observer = format!("an observer of {} rad/s", shown(bandwidth_rad_s, 0));
     let help = match (control.light_bears, control.voltage_bears) {
@@ -237,8 +237,8 @@ fn of_friction(mechanism: &Mechanism, add: &mut impl FnMut(Severity, String, Str
                 Severity::Warning,
                 format!("joint {}", link.joint_name),
                 format!(
-                    "friction takes {takes:.3} of the {:.3} that its drive gives, at its largest speed of {speed:.2}: it does \
-                     not get there",
+                    "friction takes {takes:.3} of the {:.3} that its drive gives, at its largest speed of {speed:.2}: \
+                     it does not reach that speed",
                     link.effort
                 ),
             );

@@ -230,7 +230,7 @@ fn actuators_tell_how_strong_joints_are() {
     assert_noted(
         &joint(r#"<muscle tendon="t" name="m"/>"#),
         NoteKind::Doubtful,
-        "no actuator drives it; in",
+        "no actuator drives it; the",
     );
     let ghost = model("", &on_stand(JOINT), r#"<actuator><motor joint="x"/></actuator>"#);
     assert_refused(&ghost, "mujoco: actuator: motor: joint", "a joint of the file", "`x`");

@@ -203,11 +203,11 @@ fn a_link_without_inertial_is_a_frame() {
     let frame = &imported.description.bodies[1];
     assert_eq!((frame.mass_kg, frame.inertia_kg_m2), (0.0, None));
     assert_noted(&imported, NoteKind::Changed, "a frame without mass (`b`)");
-    assert_noted(&imported, NoteKind::Doubtful, "moves and weighs nothing in the file");
+    assert_noted(&imported, NoteKind::Doubtful, "moves, but has no mass in the file");
     // Welded to a heavy link, its missing mass does not matter.
     let welded = robot(&(link("a") + r#"<link name="b"/>"# + &joint("fixed", "")));
     let notes = read(&welded).notes;
-    assert!(notes.iter().all(|note| !note.text.contains("moves and weighs")));
+    assert!(notes.iter().all(|note| !note.text.contains("moves, but has no mass")));
 }
 
 #[test]
@@ -358,7 +358,7 @@ fn links_are_a_tree() {
     );
     assert_refused(&circle, "robot `r`", "that no joint moves", "a closed loop");
     let apart = circle.replace("</robot>", r#"<link name="c"/></robot>"#);
-    assert_refused(&apart, "robot `r`", "hang on the root", "a closed loop");
+    assert_refused(&apart, "robot `r`", "connected to the root", "a closed loop");
     let twice = pair("revolute", LIMIT).replace(
         "</robot>",
         r#"<link name="c"/><joint name="l" type="fixed"><parent link="a"/><child link="c"/></joint>
@@ -378,7 +378,7 @@ fn links_are_a_tree() {
     assert_eq!(error.found, "`nobody`");
     let imported = urdf(&pair("revolute", LIMIT), &cut("j")).expect("a rig of one body");
     assert_eq!(imported.description.bodies.len(), 1);
-    assert_noted(&imported, NoteKind::LeftOut, "hang on nothing without the joints left out (`b`)");
+    assert_noted(&imported, NoteKind::LeftOut, "not connected without the joints left out (`b`)");
 }
 
 #[test]

@@ -30,17 +30,17 @@ pub struct FaultOrder {
 /// The kinds of faults: name, default amount, and description.
 const KINDS: [(&str, &str, &str); 12] = [
     ("silent", "", "does not answer"),
-    ("late", "5ms", "answers later by a time"),
-    ("wrong-crc", "", "the check of its replies is wrong"),
-    ("short", "4", "its replies end after so many bytes"),
+    ("late", "5ms", "answers later by this time"),
+    ("wrong-crc", "", "its replies have a wrong checksum"),
+    ("short", "4", "its replies end after this many bytes"),
     ("wrong-id", "252", "answers with another id"),
     ("stuck", "", "its gear is jammed"),
-    ("hot", "90", "its case is at so many deg C"),
+    ("hot", "90", "its case has this many deg C"),
     ("brown-out", "", "its supply is cut"),
-    ("rebooted", "", "starts anew"),
-    ("torque-lost", "", "its torque goes off"),
-    ("encoder-jump", "90", "its encoder reads so many deg more"),
-    ("torque-stuck", "", "its torque is on, whatever it is told"),
+    ("rebooted", "", "restarts"),
+    ("torque-lost", "", "its torque switches off"),
+    ("encoder-jump", "90", "its encoder reads this many deg more"),
+    ("torque-stuck", "", "its torque stays on, whatever it receives"),
 ];
 
 /// The reason why a fault text was refused.
@@ -56,7 +56,7 @@ pub struct FaultOrderError {
 }
 
 impl FaultOrder {
-    /// Describes all kinds for a help text: `late=5ms (answers later by a time), ...`.
+    /// Describes all kinds for a help text: `late=5ms (answers later by this time), ...`.
     pub fn known() -> String {
         let known = KINDS.iter().map(|(name, value, what)| {
             let equals = if value.is_empty() { "" } else { "=" };

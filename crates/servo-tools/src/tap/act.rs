@@ -239,8 +239,8 @@ fn ensure_it_answers_writes<E: Exchange>(
     if client.now() < begin + client.patience() {
         return Ok(());
     }
-    let what = "it answers no writes, or too late: its Status Return Level must be such that it does, 2 for a \
-                Dynamixel (`sinew servo apply`)";
+    let what = "it does not answer writes, or too late: set its Status Return Level so that it does, 2 for a Dynamixel \
+        (`sinew servo apply`)";
     Err(ServiceError::State { id: servo.id, what: what.to_owned() })
 }
 
@@ -261,7 +261,7 @@ fn ensure_room<E: Exchange>(
     if least < most && (up || down) {
         let [at, from, to] = [held, least, most].map(|raw| scale.quantity(raw));
         let what = format!(
-            "it stands at {at}, and its limits are {from} and {to}: this tap needs {way_deg:.0} deg of room. Less \
+            "it is at {at}, and its limits are {from} and {to}: this tap needs {way_deg:.0} deg of room. Less \
              --strength needs less"
         );
         return Err(ServiceError::State { id: servo.id, what });
@@ -392,7 +392,7 @@ fn creep<E: Exchange>(
             // The cause may be that torque is off, or that the servo is too hot.
             guard.look()?;
             let what = format!(
-                "it does not move with {:.0} % of its torque: blocked, or too weak for what hangs on it",
+                "it does not move with {:.0} % of its torque: blocked, or too weak for its load",
                 100.0 * part
             );
             return Err(ServiceError::State { id: servo.id, what });

@@ -73,8 +73,9 @@ impl TapTest {
         let [rotor, load] = [model.rotor_inertia_kg_m2.value, settings.load.inertia_kg_m2];
         if load < LEAST_LOAD * rotor {
             let what = format!(
-                "what hangs on it has an inertia of {load:.5} kg m2, and its rotor {rotor:.5}: with less than \
-                 {LEAST_LOAD} of that its ring is damped too soon. Fix a weight to it, and tell the inertia of both"
+                "its load has an inertia of {load:.5} kg m2, and its rotor {rotor:.5}: with less than {LEAST_LOAD} of \
+                 the rotor's, the oscillation is damped too soon. Fix a weight to it, and give the inertia of load and \
+                 weight together"
             );
             return Err(ServiceError::State { id: servo.id, what });
         }

@@ -97,21 +97,21 @@ impl Tapped {
         }
         if ring_counts < LEAST_COUNTS {
             return Err(format!(
-                "the shaft rings by {ring_counts:.2} counts of its encoder, which sees none below {LEAST_COUNTS}. A \
-                 load as heavy as its rotor ({rotor:.5} kg m2; it has {load:.5}) rings most; a larger --strength helps, \
-                 too"
+                "the shaft rings by {ring_counts:.2} counts of its encoder, and at least {LEAST_COUNTS} are needed. A \
+                 load as heavy as its rotor ({rotor:.5} kg m2; it has {load:.5}) rings most; a larger --strength \
+                 helps, too"
             ));
         }
         if ratio > MOST_DAMPING_RATIO {
             return Err(format!(
                 "the shaft does not ring: its damping is {ratio:.2} of what is critical, and more than \
-                 {MOST_DAMPING_RATIO} cannot be told from a soft gear. A heavier load is damped less"
+                 {MOST_DAMPING_RATIO} cannot be distinguished from a soft gear. A heavier load is damped less"
             ));
         }
         if noise_counts > MOST_NOISE_COUNTS {
             return Err(format!(
-                "readings are {noise_counts:.1} counts from what a rotor, a gear and a load do, where an encoder's \
-                 steps make 0.3: the load shakes by itself, or its other joints do; or replies come too irregularly"
+                "readings are {noise_counts:.1} counts off the model of rotor, gear and load, where the steps of an \
+                 encoder make 0.3: the load shakes by itself, or its other joints do; or replies come too irregularly"
             ));
         }
         let worst = self.errors[0].max(self.errors[1]);
@@ -123,17 +123,17 @@ impl Tapped {
                 "more than 100 %".to_owned()
             };
             return Err(format!(
-                "the taps tell too little, or disagree: the standard error of stiffness or damping is {found}, and a \
-                 result has {percent:.0} % at most. The ring is {ring_counts:.1} counts of the encoder high. More \
-                 --taps help, a larger --strength, and a load of some times its rotor's inertia ({rotor:.5} kg m2; it \
-                 has {load:.5}) that nothing else shakes"
+                "the taps are not precise enough, or disagree: the standard error of stiffness or damping is {found}, \
+                 and a result has {percent:.0} % at most. The ring is {ring_counts:.1} counts of the encoder high. \
+                 More --taps help, a larger --strength, and a load of several times its rotor's inertia ({rotor:.5} kg \
+                 m2; it has {load:.5}) that nothing else shakes"
             ));
         }
         let torque = full_nm / self.believed_full_nm;
         if !(TORQUE_RATIOS[0]..=TORQUE_RATIOS[1]).contains(&torque) {
             return Err(format!(
-                "it speeds up as if its motor had {:.0} % of the torque that its kind has: the inertia of what hangs on \
-                 it is not {load:.5} kg m2, or its supply is not that of its kind. Stiffness would be wrong by about as \
+                "it speeds up as if its motor had {:.0} % of the torque that its kind has: the inertia of its load is \
+                 not {load:.5} kg m2, or its supply is not that of its kind. Stiffness would be wrong by about as \
                  much",
                 100.0 * torque
             ));

@@ -194,7 +194,7 @@ fn an_xm430_is_refused() {
         for mode in [3, 5] {
             let line = case.line(&[(MODE, mode)]);
             let error = case.tap_on(line, &case.settings(150)).unwrap_err().to_string();
-            let is_said = ["tell too little", "rings by", "does not ring", "too seldom"]
+            let is_said = ["not precise enough", "rings by", "does not ring", "too seldom"]
                 .iter()
                 .any(|words| error.contains(words));
             assert!(is_said, "{load}: {error}");
@@ -223,7 +223,7 @@ fn what_makes_a_number_wrong_is_refused() {
     assert!(error.contains("its PWM Limit is 25.0 %"), "{error}");
     // It answers only reads: Status Return Level.
     let error = case.tap_on(case.line(&[(68, 1)]), &case.settings(40)).unwrap_err().to_string();
-    assert!(error.contains("it answers no writes"), "{error}");
+    assert!(error.contains("it does not answer writes"), "{error}");
     // A current mode has no goal position to hold.
     let error = case.tap_on(case.line(&[(MODE, 0)]), &case.settings(40)).unwrap_err().to_string();
     assert!(error.contains("Set a mode of position first"), "{error}");

@@ -89,7 +89,7 @@ fn read(file: &Path, skip_first: bool) -> Result<(Clip, Vec<usize>), Box<dyn Err
     if skip_first {
         recording.frames.remove(0);
     }
-    let frame_time_s = recording.frame_time_s.ok_or("the file does not tell its rate")?;
+    let frame_time_s = recording.frame_time_s.ok_or("the file does not state its rate")?;
     let (mut clip, _) = gaps::fill(recording, frame_time_s, 0.5)?;
     let joints = 1..clip.skeleton.joints.len();
     let flips = flips::find(&clip, &vec![true; joints.end]).0;

@@ -89,7 +89,7 @@ pub(super) fn check(motion: &Motion<'_>, settings: &Settings) -> Result<usize, W
         } else if name.len() > 255 {
             "has a name of more than 255 bytes"
         } else if *sample as usize > samples {
-            "is behind the end"
+            "is after the end"
         } else {
             last = *sample;
             continue;

@@ -42,7 +42,7 @@ pub enum WriteError {
     },
     /// An angle changes by more than half a turn from sample to sample.
     #[error(
-        "joint {joint}: the angle changes by {step} rad before sample {sample}; let it go on beyond a turn"
+        "joint {joint}: the angle changes by {step} rad before sample {sample}; do not wrap it at a full turn"
     )]
     Leap {
         /// Index of the joint.
@@ -83,7 +83,7 @@ pub enum WriteError {
         why: &'static str,
     },
     /// The time map of a slowed show goes back.
-    #[error("pair {pair} of the course is not behind the one before it, or beyond 2^30 samples")]
+    #[error("pair {pair} of the course is not after the one before it, or is beyond 2^30 samples")]
     Course {
         /// Index of the pair.
         pair: usize,

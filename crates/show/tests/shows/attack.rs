@@ -177,7 +177,8 @@ fn refusals_are_in_words() {
     bytes[4] = 1;
     assert_eq!(
         words(&bytes),
-        "the show is of version 1, which is no longer read: make it anew from its clip, with `sinew bake CLIP --rig RIG`"
+        "the show is of version 1, which is no longer read: bake it again from its clip, with `sinew bake CLIP --rig \
+         RIG`"
     );
     bytes[4] = 3;
     assert_eq!(words(&bytes), "the show is of version 3; this program performs version 2");

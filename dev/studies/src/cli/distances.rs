@@ -46,7 +46,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     );
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or(Path::new("."));
-    ensure!(folder.is_dir(), "{}: expected a folder that is there", folder.display());
+    ensure!(folder.is_dir(), "{}: expected an existing folder", folder.display());
     let name = path.file_name().unwrap_or_default();
     let names = path.with_extension("csv");
     let indices = args.recordings.indices();

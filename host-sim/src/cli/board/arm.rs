@@ -14,7 +14,7 @@ const AGAIN: Duration = Duration::from_millis(100);
 
 /// Checks that the board holds the rig of the file.
 pub(in crate::cli) fn check_rig<L: Line>(board: &Board<L>, parts: &RigParts) -> anyhow::Result<()> {
-    const HELP: &str = "`sinew board upload rig FILE --port PORT` brings it";
+    const HELP: &str = "`sinew board upload rig FILE --port PORT` uploads it";
     let bytes = parts.compact_rig().map_err(anyhow::Error::msg)?;
     let own = bytes.last_chunk().map(|crc| u32::from_le_bytes(*crc)).context("a rig has a CRC")?;
     let here = board.about().rig;

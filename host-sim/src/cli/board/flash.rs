@@ -55,7 +55,7 @@ pub(super) fn run(args: &FlashArgs) -> anyhow::Result<ExitCode> {
     let status = match command.status() {
         Err(error) if error.kind() == io::ErrorKind::NotFound => bail!(
             "`probe-rs` is not installed, and nothing was written. `cargo install probe-rs-tools --locked` installs \
-             it; its page (https://probe.rs) has programs for all systems. On Linux it wants udev rules too"
+             it; its page (https://probe.rs) has programs for all systems. On Linux it needs udev rules, too"
         ),
         status => status.context("probe-rs")?,
     };
@@ -77,18 +77,20 @@ pub(super) fn run(args: &FlashArgs) -> anyhow::Result<ExitCode> {
 fn check(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     let shown = path.display();
     if !bytes.starts_with(b"\x7fELF") {
-        bail!("{shown}: is no ELF file; expected a board's name or its image");
+        bail!("{shown}: is not an ELF file; expected a board's name or its image");
     }
     let speaks = sinew_firmware::node::link_version(bytes);
     let own = Version::CURRENT;
     match speaks {
         Some(version) if version.major == own.major => Ok(()),
         Some(version) => bail!(
-            "{shown}: this firmware speaks version {version} of the link, this program {own}: nothing was written. Use \
-             firmware and program of one release"
+            "{shown}: this firmware has version {version} of the host link, this program {own}: nothing was written. \
+             Use firmware and program of one release"
         ),
         None => {
-            bail!("{shown}: is no firmware of Sinew with a link, or one from before version 1.1")
+            bail!(
+                "{shown}: is not firmware of Sinew with a host link, or is older than version 1.1"
+            )
         }
     }
 }
@@ -100,7 +102,7 @@ fn is_limp(port: &BoardPort) -> anyhow::Result<()> {
         Err(error) => match error.downcast_ref::<ClientError>() {
             Some(ClientError::Misfit(Misfit::Busy)) => {
                 bail!(
-                    "the rig is armed: nothing was written. End the program that has it, or disarm"
+                    "the rig is armed: nothing was written. End the program that drives it, or disarm it"
                 )
             }
             Some(

@@ -36,7 +36,7 @@ pub(super) fn run(args: &MonitorArgs) -> anyhow::Result<ExitCode> {
     note(format_args!("firmware {}, rig {:08x}", about.firmware, about.rig));
     ensure!(
         about.rig != 0,
-        "the board has no rig, and so nothing to tell: `sinew board upload rig` brings one"
+        "the board has no rig, so it has nothing to report: `sinew board upload rig` uploads one"
     );
     board.telemetry(10.0, TelemetryParts::SUMMARY.and(TelemetryParts::SERVOS))?;
     // Discards counts from before this command.

@@ -29,7 +29,7 @@ pub(in crate::cli) fn tell_faults<L: Line>(board: &Board<L>) {
     for number in numbers {
         note(format_args!("{}: {}", named(number), remedy(number).unwrap_or_default()));
     }
-    note(format_args!("`sinew board faults --clear` when it is mended"));
+    note(format_args!("`sinew board faults --clear` when its cause is removed"));
 }
 
 /// Describes a fault record: fault, servo, state, time and count.

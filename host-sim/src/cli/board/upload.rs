@@ -142,15 +142,15 @@ pub(in crate::cli) fn put_show<L: Line>(
             let shows = board.shows()?;
             let count = shows.iter().flatten().count();
             bail!(
-                "the board has room for {} shows of {} bytes, and holds {count}: `sinew board upload show FILE --replace \
-                 SLOT` deletes one before",
+                "the board has room for {} shows of {} bytes, and holds {count}: `sinew board upload show FILE \
+                 --replace SLOT` deletes one first",
                 shows.len(),
                 board.about().capacities.slot_bytes
             )
         }
         put => put?,
     }
-    board.slot_of(&item)?.context("the board has taken the show, and does not have it")
+    board.slot_of(&item)?.context("the board accepted the show, but does not have it")
 }
 
 /// Uploads an item, with a progress bar.

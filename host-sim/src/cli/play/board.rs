@@ -95,7 +95,7 @@ impl<L: Line> Performance<'_, L> {
             let times = stop.times();
             if times > 1 {
                 note(format_args!(
-                    "left at once: the board holds the pose, and after 2 s lowers it and is limp"
+                    "ended at once: the board holds the pose; after 2 s it lowers the rig, then torque is off"
                 ));
                 return Ok(ExitCode::FAILURE);
             }

@@ -34,8 +34,8 @@ const ROUNDS: u32 = 2;
 ///
 /// The controller is the one that boards run. The simulated rig hangs on a stand. Power is switched on; the rig is
 /// armed where it is, moves to the show's first pose at 20 deg/s at most, plays, moves to its rest pose, and torque
-/// is off again. At the end a table shows how well each joint followed. Every run of a command puts the same bytes on
-/// the wire.
+/// is off again. At the end a table shows how well each joint followed. Every run of the same command sends the same
+/// bytes to the servos.
 ///
 /// On a terminal it plays in real time and shows the joints with the largest errors. Ctrl-C stops the rig safely: it
 /// moves to its rest pose, then torque is off. A second Ctrl-C ends at once.
@@ -203,7 +203,7 @@ impl Args {
     fn rounds(&self, show: &Show<'_>, is_watched: bool) -> anyhow::Result<Option<u32>> {
         ensure!(
             show.is_loop() || self.rounds.is_none(),
-            "--rounds: {} is no loop: `sinew bake --loop` makes one",
+            "--rounds: {} is not a loop: `sinew bake --loop` makes one",
             self.show
         );
         Ok(self.rounds.or((show.is_loop() && !is_watched).then_some(ROUNDS)))

@@ -39,8 +39,8 @@ pub(super) fn tell(parts: &RigParts) {
         let holds =
             holds.map_or_else(|| "no rate of this loop".to_owned(), |hz| format!("{hz} Hz"));
         note(format_args!(
-            "{} Hz are of this simulation: by the estimate a board of 180 MHz computes {:.1} ms a tick for {} servos, and \
-             holds {holds} (docs/speed.md)",
+            "{} Hz apply to this simulation only: by estimate, a board of 180 MHz computes {:.1} ms per tick for {} \
+             servos, and can run at {holds} (docs/speed.md)",
             parts.rate_hz,
             f64::from(compute_us) / 1000.0,
             parts.servos.len()

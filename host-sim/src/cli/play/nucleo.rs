@@ -72,7 +72,7 @@ pub(super) fn perform(
     };
     ensure!(
         !line.is_of_pulses(),
-        "--target nucleo: servos that take pulses are not emulated there"
+        "--target nucleo: servos driven by pulses are not emulated there"
     );
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
     let plant = parts.plant(&rig.description, &rig.mechanism)?;

@@ -51,7 +51,7 @@ impl Args {
         let show = Show::open(&bytes)?;
         if show.check_rig(parts.rig_crc()).is_err() && show.check_rig(bare).is_ok() {
             note(format_args!(
-                "note: {} was baked before servos were put on the rig: it may ask more of them than they can",
+                "note: {} was baked before servos were put on the rig: it may ask for more than they can do",
                 path.display()
             ));
             parts.take_shows_of(bare);

@@ -129,7 +129,7 @@ impl TeachSession {
             while !matches!(self.look()?, Some(State::Limp | State::Off | State::Faulted)) {
                 if self.stop.times() > times {
                     bail!(
-                        "left at once: the board holds the pose, and after 2 s lowers it and is limp"
+                        "ended at once: the board holds the pose; after 2 s it lowers the rig, then torque is off"
                     );
                 }
             }

@@ -141,11 +141,11 @@ impl Args {
         let kept = path.with_extension("led.csv");
         match output::write(&kept, table::csv(&rig.mechanism, measured, 0.0)) {
             Ok(()) => note(format_args!(
-                "{}: what was led, as it was measured: {:.2} s",
+                "{}: the motion as measured until then: {:.2} s",
                 kept.display(),
                 measured.duration_s()
             )),
-            Err(why) => note(format_args!("what was led is lost: {why:#}")),
+            Err(why) => note(format_args!("the measured motion is lost: {why:#}")),
         }
     }
 
@@ -159,7 +159,7 @@ impl Args {
         let taught = TeachResult::new(&rig.mechanism, measured, self.cutoff_hz, self.rate_hz)?;
         let [before_s, behind_s] = taught.cut_s;
         let mut text = format!(
-            "led for {:.2} s; cut {before_s:.2} s of rest before and {behind_s:.2} s behind: {:.2} s are left\n",
+            "led for {:.2} s; cut {before_s:.2} s of rest before and {behind_s:.2} s after: {:.2} s remain\n",
             measured.duration_s(),
             taught.motion.duration_s(),
         );
@@ -312,7 +312,7 @@ impl Args {
         let ([mean, most], at, time_s) =
             compare_with_guide(&rig.mechanism, motion, guide, begin_s)?;
         Ok(format!(
-            "{what} beside the hand's way: {} off in the mean, {} at most ({} at {time_s:.2} s)\n",
+            "{what} against the hand's path: mean error {}, largest {} ({} at {time_s:.2} s)\n",
             shown(mean),
             shown(most),
             coordinate(rig, at)

@@ -159,9 +159,9 @@ fn words(
     line(format_args!("{}\n", joints(review)));
     if review.by_dof.iter().any(|dof| dof.control.is_some()) {
         line(format_args!(
-            "Loops by current, through their gears. Gear: resonance with the load held. Bandwidth: the observer's. What\n\
-             each loop bears before it shakes, with the lightest and the heaviest load of the poses tried:\n\
-             phase, factor on the torque, delay more than {} tick(s). Then the same of a gear with half the stiffness and\n\
+            "Loops by current, through their gears. Gear: resonance with the load held. Bandwidth: the observer's.\n\
+             Margins before each loop shakes, with the lightest and the heaviest load of the poses tried: phase, factor\n\
+             on the torque, delay beyond {} tick(s). Then the margins of a gear with half the stiffness and\n\
              twice the play.\n",
             review.control.latency_ticks
         ));

@@ -44,7 +44,7 @@ impl OutputArgs {
             return Ok(());
         };
         if path.exists() && !self.force {
-            bail!("{}: is there already; `--force` replaces it", path.display());
+            bail!("{}: exists already; `--force` replaces it", path.display());
         }
         write_file(path, text)
     }

@@ -97,10 +97,10 @@ fn one(
     for servo in of_drive {
         servos.push(((*servo).clone(), open_rig_servo(client, servo)?));
     }
-    note(format_args!("{joints}: hold what would fall. Enter switches its torque off."));
+    note(format_args!("{joints}: hold the parts that would fall. Enter switches its torque off."));
     prompt.enter(|| Ok(client.ensure_going()?))?;
     let mut calibration = Calibration::begin(client, &servos)?;
-    note(format_args!("{joints}: move it from stop to stop. Enter takes the ends."));
+    note(format_args!("{joints}: move it from stop to stop. Enter stores the ends."));
     prompt.enter(|| {
         calibration.look(client)?;
         show(&calibration);
@@ -114,7 +114,7 @@ fn one(
     }
     let home = home_of(rig, drive).join(", ");
     note(format_args!(
-        "Now put it at home: {home}. Enter takes the offset; `s` and Enter leaves it."
+        "Now put it at home: {home}. Enter stores the offset; `s` and Enter skips it."
     ));
     let answer = prompt.enter(|| {
         calibration.look(client)?;

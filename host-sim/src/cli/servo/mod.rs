@@ -62,7 +62,8 @@ pub(super) fn run(args: &ServoArgs) -> anyhow::Result<ExitCode> {
         && let Some(path) = args.line.of_controller()
     {
         bail!(
-            "{}: a controller answers here, not servos: `--board` takes it in place of `--port`, and it passes packets on",
+            "{}: a controller answers here, not servos: use `--board` in place of `--port`; the controller passes \
+             packets on",
             path.display()
         );
     }

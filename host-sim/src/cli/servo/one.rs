@@ -76,6 +76,6 @@ pub(super) struct RebootArgs {
 pub(super) fn reboot(line: &LineArgs, args: &RebootArgs) -> anyhow::Result<ExitCode> {
     let (mut client, servo) = line.servo(args.id)?;
     client.reboot(&servo)?;
-    print(&format!("servo {} has started anew\n", servo.id))?;
+    print(&format!("servo {} has restarted\n", servo.id))?;
     Ok(ExitCode::SUCCESS)
 }

@@ -35,7 +35,7 @@ impl Prompt {
                 Ok(line) => return Ok(line),
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => {
-                    bail!("the input ended; what was not told to be done is not done")
+                    bail!("the input ended; nothing more is done")
                 }
             }
         }

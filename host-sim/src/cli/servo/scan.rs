@@ -55,10 +55,11 @@ fn tell(event: ScanEvent<'_>) {
         },
         ScanEvent::Left(id, left) => note(format_args!("  id {id}: {}", left.what)),
         ScanEvent::Collision(_, _, id) => note(format_args!(
-            "  id {id}: what answers is no packet. Two servos have this id? Connect them one at a time, and use set-id"
+            "  id {id}: the answer is not a valid packet. Do two servos have this id? Connect them one at a time, and \
+             use set-id"
         )),
         ScanEvent::Noise(..) => note(format_args!(
-            "  something was heard that is no packet: another rate or protocol, or a bad cable"
+            "  bytes arrived that are not a valid packet: another rate or protocol, or a bad cable"
         )),
     }
 }

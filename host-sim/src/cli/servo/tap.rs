@@ -94,7 +94,7 @@ fn inertia(text: &str) -> Result<f64, String> {
 pub(super) fn run(line: &LineArgs, args: &TapArgs) -> anyhow::Result<ExitCode> {
     let name = || args.rig.display().to_string();
     if let Some(path) = args.output.as_ref().filter(|path| path.exists()) {
-        bail!("{}: is there already", path.display());
+        bail!("{}: exists already", path.display());
     }
     if args.output.is_none() && !args.dry_run {
         try_to_write(&args.rig)?;
@@ -136,7 +136,7 @@ fn of_name(rig: &LoadedRig, name: &str) -> anyhow::Result<RigServo> {
     })?;
     let on_bus = of_bus(description, Some(&own.bus))?;
     on_bus.into_iter().find(|servo| servo.name == name).with_context(|| {
-        format!("{name} takes pulses and tells nothing: only bus servos can be tapped")
+        format!("{name} is driven by pulses and reports nothing: only bus servos can be tapped")
     })
 }
 
@@ -164,7 +164,7 @@ fn on_port(
     tell_left_on_line(&mut client, servo.id)?;
     let test = TapTest::new(&mut client, &found, &servo.model, settings)?;
     note(format_args!(
-        "{} (id {}): {} taps move it by up to {:.0} deg, with up to {:.0} % of its torque. Stand the rig at its home \
+        "{} (id {}): {} taps move it by up to {:.0} deg, with up to {:.0} % of its torque. Put the rig in its home \
          pose, hold the other joints of its limb, and keep your hands away",
         servo.name,
         servo.id,

@@ -68,7 +68,7 @@ fn any_skeleton_is_searched_and_blended() {
     assert_eq!(read.skeleton.joints.len(), 40);
     let drawn = sinew_in(folder.path(), &[&blend[..], &["--picture", "b.svg"]].concat());
     assert!(
-        text(&drawn.stderr).contains("expected a human, which alone is drawn"),
+        text(&drawn.stderr).contains("expected a human (other skeletons are not drawn)"),
         "{}",
         text(&drawn.stderr)
     );

@@ -72,7 +72,7 @@ fn where_the_query_is_from_does_not_count() {
     let names = clips(folder.path(), 2);
     let like = format!("clips/{}.bvh@2s", names[0]);
     let (found, told) = json(folder.path(), &["clip", "find", "clips", "--like", &like]);
-    assert!(told.contains(&format!("{}: where the query is from does not count", names[0])));
+    assert!(told.contains(&format!("{}: the query's own place does not count", names[0])));
     for moment in found["moments"].as_array().unwrap() {
         let apart_s = (moment["time_s"].as_f64().unwrap() - 2.0).abs();
         assert!(moment["clip"] != names[0].as_str() || apart_s > 0.5 - 1e-6, "{moment}");
@@ -155,7 +155,8 @@ fn damaged_files_are_left_out_of_folders() {
         let done = sinew_in(folder.path(), &words);
         let said = text(&done.stderr);
         assert!(done.status.success(), "{words:?}: {said}");
-        for (file, why) in [("cut.bvh", "expected"), ("packed.bvh", "found bytes that are no text")]
+        for (file, why) in
+            [("cut.bvh", "expected"), ("packed.bvh", "found bytes that are not text")]
         {
             let is_told = |line: &str| {
                 line.starts_with("left out: ") && line.contains(file) && line.contains(why)
@@ -235,7 +236,7 @@ fn what_cannot_be_done_is_said() {
         ),
         (
             vec!["clip", "find", "clips", "--like", &pose, "--steps", "5", "--metric", "angles"],
-            "--steps: expected with the metrics line and geodesic",
+            "--steps: expected only with the metrics line and geodesic",
         ),
         (
             vec!["clip", "find", "clips", "--like", &pose, "--picture", "a.jpg"],
@@ -263,7 +264,7 @@ fn what_cannot_be_done_is_said() {
         ),
         (
             vec!["clip", "blend", &pose, &pose, "--output", "no/a.bvh", "--blend-s", "0.1"],
-            "no/a.bvh: cannot be written: expected a folder that is there",
+            "no/a.bvh: cannot be written: expected an existing folder",
         ),
     ] {
         let output = sinew_in(folder.path(), &arguments);

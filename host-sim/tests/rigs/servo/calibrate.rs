@@ -191,7 +191,7 @@ fn a_joint_that_is_moved_by_hand_gets_its_range_and_its_offset() {
         // A test that fails ends the thread, too.
         let _stop = StopAtEnd(&shared.stop);
         let mut calibrate = Calibrate::start(&rig, &link);
-        calibrate.says("hold what would fall");
+        calibrate.says("hold the parts that would fall");
         calibrate.enter();
         calibrate.says("from stop to stop");
         shared.move_to(-70.0);

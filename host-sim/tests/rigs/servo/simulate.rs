@@ -89,7 +89,7 @@ fn what_cannot_be_is_refused_with_what_could() {
         (&["--kind", "xl330", "--supply", "5,0", "--pty", link], "`V,OHM,A`"),
         (&["--kind", "xl330", "--fault", "1:mute", "--pty", link], "one of: silent"),
         (&["--kind", "xl330", "--fault", "2:silent", "--pty", link], "expected one of 1"),
-        (&["--kind", "xl330", "--pty", taken], "is no link"),
+        (&["--kind", "xl330", "--pty", taken], "is not a link"),
         (&["--rig", "none.toml", "--pty", link], "none.toml"),
     ] {
         let output = simulate(args).output().unwrap();

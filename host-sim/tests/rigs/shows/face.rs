@@ -134,5 +134,8 @@ fn a_face_performs_by_pulses() {
         assert!(rows.commanded.iter().all(|x| x.is_finite()));
         assert!(part.servos.iter().all(|servo| servo.current.iter().all(|x| x.is_nan())));
     }
-    super::refused(&["record", "--target", "sim", "--rig", &rig, "-o", &csv], "takes pulses");
+    super::refused(
+        &["record", "--target", "sim", "--rig", &rig, "-o", &csv],
+        "is driven by pulses",
+    );
 }

@@ -126,7 +126,7 @@ fn a_map_that_nobody_has_edited_makes_the_same_show() {
         let (_, text) = text.split_once(behind).unwrap();
         text.split_whitespace().next().unwrap().parse().unwrap()
     };
-    let [taken, shown] = [mean(&notes, "limbs followed, "), mean(&report, "limbs: ")];
+    let [taken, shown] = [mean(&notes, "limbs followed, mean error "), mean(&report, "limbs: ")];
     assert!((taken - shown).abs() < 0.11, "{taken} {shown}");
     assert!(report.contains("l_knee") && report.contains("Not looked at: collisions"), "{report}");
 

@@ -85,7 +85,7 @@ fn a_loop_is_played_round_after_round() {
     }
     let folder = tempfile::tempdir().unwrap();
     let [rig, once] = arm(folder.path());
-    refused(&["play", &once, "--rig", &rig, "--rounds", "3"], "is no loop");
+    refused(&["play", &once, "--rig", &rig, "--rounds", "3"], "is not a loop");
 }
 
 /// Starts a play in real time, and waits until its show runs. Its later notes remain readable.
@@ -177,7 +177,7 @@ fn what_cannot_be_played_is_refused_in_words() {
     for (arguments, part) in [
         (&["play", &show, "--rig", &other][..], "does not play on this rig"),
         (&["play", &show, "--rig", &rig, "--servo", "xm430"], "each joint has a servo already"),
-        (&["play", &show, "--rig", &rig, "--rate-hz", "2000"], "500 Hz does fit"),
+        (&["play", &show, "--rig", &rig, "--rate-hz", "2000"], "500 Hz is possible"),
         (&["play", &show, "--rig", &rig, "--rate-hz", "nan"], "a whole number from 1 to 10000"),
         (&["play", &show, "--rig", &rig, "--baud", "12345"], "4000000"),
         (&["play", &show, "--rig", &rig, "--seconds", "2"], "--seconds: is of clips"),

@@ -76,7 +76,7 @@ fn a_page_is_written_beside_its_recording() {
     // The mean and largest error that the play printed.
     let [mean, most] = errors(&table, "current");
     let told = format!("were {mean:.2}° from their targets in the mean, and {most:.2}° at most");
-    for part in [&told, "no fault came", "bend2", "lowering", "Limited"] {
+    for part in [&told, "there was no fault", "bend2", "lowering", "Limited"] {
         assert!(page.contains(part), "{part}");
     }
     // Nothing is fetched: the only address is the name of SVG's elements.
@@ -178,7 +178,7 @@ fn what_is_no_recording_is_refused_in_words() {
     for (arguments, part) in [
         (&["report", &rig][..], "found a rig.toml"),
         (&["report", "nothing.parquet"], "nothing.parquet: No such file"),
-        (&["report", &short], "nothing of it is whole"),
+        (&["report", &short], "no part of it is complete"),
         (&["report", &damaged], "is damaged: its checksum"),
         (&["report", &file, "--rig", &other], "it is another rig"),
         (&["report", &file, "-o", &file], "is the recording, which would be lost"),

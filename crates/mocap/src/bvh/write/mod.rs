@@ -154,7 +154,7 @@ fn check_skeleton(skeleton: &Skeleton, metres_per_unit: f64) -> Result<(), Write
         }
         if joint.parent.map_or(index > 0, |parent| parent >= index) {
             let what = format!("joint `{}`", shown(name));
-            let expected = "a parent that comes before it, and one root alone";
+            let expected = "a parent that comes before it, and only one root";
             let found = format!("{:?}", joint.parent);
             return Err(WriteError::Shape { what, expected, found });
         }

@@ -64,7 +64,7 @@ impl Chip {
         let mut options = OpenOptions::new();
         let mut file = options.read(true).write(true).create(true).truncate(false).open(path)?;
         file.try_lock().map_err(|error| match error {
-            TryLockError::WouldBlock => io::Error::other("another simulated board has it"),
+            TryLockError::WouldBlock => io::Error::other("another simulated board uses it"),
             TryLockError::Error(error) => error,
         })?;
         let mut bytes = Vec::new();
@@ -76,7 +76,7 @@ impl Chip {
         if bytes.len() != FLASH_LEN {
             let found = bytes.len();
             return Err(io::Error::other(format!(
-                "is no flash of a simulated board: it has {found} bytes, expected {FLASH_LEN}"
+                "is not the flash of a simulated board: it has {found} bytes, expected {FLASH_LEN}"
             )));
         }
         let file = Some(Rc::new(RefCell::new(file)));

@@ -278,7 +278,7 @@ fn a_skeleton_without_unit_or_frame_is_refused() {
     let message = |options: &Options| bvh(options).unwrap_err().to_string();
     let unit = message(&Options::default());
     assert!(
-        unit.contains("no arms and legs tell the body's height; give it with --metres-per-unit"),
+        unit.contains("no arms and legs show the body's height; give it with --metres-per-unit"),
         "{unit}"
     );
     let frame = message(&Options { units: units(0.01), frame: Some(2) });

@@ -34,8 +34,8 @@ pub enum FitError {
     },
     /// A limit remains exceeded, although everything was tried.
     #[error(
-        "`{joint}`: its {} is {} and its limit is {}, at {time_s:.2} s of what was given: slower, smoother and nearer to home \
-         it is still beyond, or too near to its limit for what a show rounds",
+        "`{joint}`: its {} is {} and its limit is {}, at {time_s:.2} s of the given motion: even slower, smoother and \
+         nearer to home, it exceeds the limit, or leaves no room for the rounding of a show",
         kind.name(),
         kind.shown(*slides, *value),
         kind.shown(*slides, *limit)

@@ -166,7 +166,7 @@ impl<'a> Draft<'a> {
             [origin].into_iter().chain(way[..way.len() - 1].iter().copied()).collect();
         let rotation = self.turner(&between, end).unwrap_or(origin);
         let remark = (rotation != origin)
-            .then(|| format!("{} turn it, the last tells its frame", self.names(&between)));
+            .then(|| format!("{} turn it, the last determines its frame", self.names(&between)));
         self.proposed(name, origin, rotation, self.at(end), landmarks, remark)
     }
 

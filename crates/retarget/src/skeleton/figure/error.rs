@@ -9,7 +9,7 @@ pub enum FigureMappingError {
     #[error("the figure of 18 bodies needs landmarks that the skeleton does not have: {}", list(.0))]
     Missing(Vec<(Landmark, String)>),
     /// Two joints have the same name. A map refers to joints by name, so names must be unique.
-    #[error("two joints are called `{0}`: expected names that tell the joints of a map apart")]
+    #[error("two joints are called `{0}`: expected names that distinguish the joints of a map")]
     SameName(String),
 }
 

@@ -131,7 +131,7 @@ fn loop_through(
     let joint = held_by[inside].map_or(0, |(joint, _)| joint);
     part(joint, &rig.joints[joint]).refuse(
         &[Step::Key("parent")],
-        "a tree: every body hangs on the base in the end",
+        "a tree in which every body is connected to the base",
         format!("the loop {}", names.join(" on ")),
     )
 }

@@ -31,7 +31,7 @@ pub(super) fn read<'a, 'd>(
         let tag = node.tag_name().name();
         let joint = node.attribute("joint").or_else(|| node.attribute("jointinparent"));
         let (Some(kind), Some(name)) = (TAGS.iter().find(|known| **known == tag), joint) else {
-            let text = "actuators that drive no single joint, or are no motors";
+            let text = "actuators that do not drive a single joint, or are not motors";
             notes.add_of(NoteKind::LeftOut, text, node.attribute("name").unwrap_or(tag));
             continue;
         };
@@ -64,7 +64,7 @@ pub(super) fn read<'a, 'd>(
     for joint in description.joints.iter().filter(|_| any) {
         let moves = !matches!(joint.kind, JointType::Fixed | JointType::Free);
         if moves && !driven.contains(joint.name.as_str()) {
-            let text = "moves, but no actuator drives it; in the rig it is as any other";
+            let text = "moves, but no actuator drives it; the rig treats it like any other joint";
             notes.add_of(NoteKind::Doubtful, text, &joint.name);
         }
     }

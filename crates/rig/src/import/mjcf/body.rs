@@ -130,7 +130,7 @@ fn stand(name: &str, floats: bool, pose: Pose, description: &mut Description, no
     imported::place_base(description, pose.position_m, pose.rotation);
     if floats {
         let text = format!(
-            "`{name}` floats by a free joint: it is the base, held fast, as on a stand. To drive it freely: \
+            "`{name}` floats by a free joint: it is the base, which is fixed, as on a stand. To let the base move: \
              mount.base = \"driven\""
         );
         notes.add(NoteKind::Changed, text);

@@ -41,7 +41,7 @@ pub(super) fn read<'a, 'd>(
                 {
                     notes.add_of(
                         NoteKind::LeftOut,
-                        "what holds the base: it is held in a rig",
+                        "equality that holds the base: a rig's base is held already",
                         ends[0],
                     );
                 } else {

@@ -38,7 +38,8 @@ pub(super) fn of_body(
         mass.kg = rules.least_kg;
     }
     if mass.kg > 0.0 && mass.kg < MASS_MIN_KG {
-        let text = format!("weighs {:e} kg, which stands for nothing; taken as it is", mass.kg);
+        let text =
+            format!("weighs {:e} kg, which looks like a placeholder; taken as it is", mass.kg);
         notes.add_of(NoteKind::Doubtful, text, name);
     }
     let Some(fault) = mass.fault() else { return Ok(mass) };

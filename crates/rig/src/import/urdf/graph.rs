@@ -56,7 +56,7 @@ pub(super) fn tree<'a, 'd>(
     for link in cut_off {
         let beyond = outwards(link, &on_link, &kept);
         left_out += beyond.len();
-        let text = "links that hang on nothing without the joints left out";
+        let text = "links that are not connected without the joints left out";
         notes.add_of(NoteKind::LeftOut, text, name(link));
         for place in beyond {
             notes.add_of(NoteKind::LeftOut, text, name(kept[place].child));
@@ -64,7 +64,7 @@ pub(super) fn tree<'a, 'd>(
     }
     if in_tree.len() + left_out < kept.len() {
         let found = circle(links, &kept, &movers);
-        return Err(xml::refuse(robot, "links that all hang on the root", found));
+        return Err(xml::refuse(robot, "links that are all connected to the root", found));
     }
 
     let tree_links: Vec<Node<'a, 'd>> = std::iter::once(root)

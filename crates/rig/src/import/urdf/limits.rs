@@ -99,8 +99,7 @@ fn largest(
     if value > 0.0 && value < PLACEHOLDER {
         return Ok(Some(value));
     }
-    let text =
-        format!("the limit {name} = {} stands for none: the rig has none there", text.trim());
+    let text = format!("the limit {name} = {} means no limit: the rig has none there", text.trim());
     notes.add_of(NoteKind::LeftOut, text, &joint.name);
     Ok(None)
 }

@@ -57,7 +57,7 @@ fn mass_properties(
     xml::required(mass_node, "value")?;
     let mass_kg = xml::not_negative(mass_node, "value")?.unwrap_or(0.0);
     if mass_kg > 0.0 && mass_kg < MASS_MIN_KG {
-        let text = format!("weighs {mass_kg:e} kg, which stands for nothing; taken as it is");
+        let text = format!("weighs {mass_kg:e} kg, which looks like a placeholder; taken as it is");
         notes.add_of(NoteKind::Doubtful, text, name);
     }
     let (position, rotation) = origin(inertial)?;

@@ -31,7 +31,7 @@ pub(super) fn refuse(
         .collect();
     if loops.is_empty() {
         for joint in passive {
-            let text = "has no drive, by its name; in the rig it is as any other";
+            let text = "has no drive, by its name; the rig treats it like any other joint";
             notes.add_of(NoteKind::Doubtful, text, joint);
         }
         return Ok(());

@@ -124,8 +124,8 @@ fn stand(description: &mut Description, notes: &mut Notes) {
         DQuat::from_array(joint.rotation_xyzw),
     );
     let text = format!(
-        "`{}` floats by the joint `{}`, on `{}` that has no mass: it is the base, held fast, as on a stand. To drive \
-         it freely: mount.base = \"driven\"",
+        "`{}` floats by the joint `{}`, on `{}` that has no mass: it is the base, which is fixed, as on a stand. To \
+         let the base move: mount.base = \"driven\"",
         joint.child, joint.name, base.name
     );
     notes.add(NoteKind::Changed, text);
@@ -145,7 +145,7 @@ fn tell_actuators(robot: Node<'_, '_>, description: &Description, notes: &mut No
     }
     for joint in description.joints.iter().filter(|joint| joint.kind != JointType::Fixed) {
         if !driven.contains(joint.name.as_str()) {
-            let text = "moves, but the file's transmissions do not drive it; in the rig it is as any other";
+            let text = "moves, but the file's transmissions do not drive it; the rig treats it like any other joint";
             notes.add_of(NoteKind::Doubtful, text, &joint.name);
         }
     }
@@ -178,7 +178,7 @@ fn tell_unread(
         count(joint.node, &OF_JOINT, " of a joint");
     }
     for (what, count) in unread {
-        let text = "elements that no rig needs, or that stand where a URDF has none";
+        let text = "elements that a rig does not need, or in a place where URDF has none";
         notes.add_of(NoteKind::LeftOut, text, format!("{what}: {count}"));
     }
     let meshes = links.iter().flat_map(Node::descendants);

@@ -28,7 +28,12 @@ pub(super) fn look(
         if line.is_of_pulses() {
             let what = format!("bus {:?}", line.name);
             let count = line.servos.len();
-            findings.add(Well, &what, &format!("{count} servos on pulses: they tell nothing"), "");
+            findings.add(
+                Well,
+                &what,
+                &format!("{count} servos driven by pulses: they report nothing"),
+                "",
+            );
             continue;
         }
         let mut servos = BoardServos::new(board, index)?;
@@ -75,7 +80,7 @@ fn of_line(
                 Wrong,
                 &what,
                 &format!("does not answer at {} baud", line.baud),
-                "is it powered and plugged? `sinew servo scan --board` looks at all rates and ids",
+                "is it powered and plugged? `sinew servo scan --board` searches all rates and ids",
             );
             continue;
         };
@@ -99,7 +104,7 @@ fn of_line(
     for baud in protocol.bauds().into_iter().filter(|baud| *baud != line.baud) {
         let what = format!("bus {:?} at {baud} baud", line.name);
         if client.set_baud(baud).is_err() {
-            findings.add(Well, &what, "the board does not do this rate", "");
+            findings.add(Well, &what, "the board does not support this rate", "");
             continue;
         }
         let ids: Vec<String> = own()
@@ -117,7 +122,7 @@ fn of_line(
             Wrong,
             &what,
             &found,
-            &format!("`sinew servo set-baud ID {}` brings it to the line's rate", line.baud),
+            &format!("`sinew servo set-baud ID {}` sets it to the line's rate", line.baud),
         );
     }
     client.into_line().own_rate();

@@ -54,7 +54,7 @@ pub(super) fn run(args: &DoctorArgs) -> anyhow::Result<ExitCode> {
         Some(parts) if passes => bus::look(board, parts, &mut findings)?,
         Some(_) => {}
         None => {
-            findings.lines += "          servos were not asked: --rig RIG says which there are\n";
+            findings.lines += "          servos were not checked: --rig RIG names them\n";
         }
     }
     let head = format!("sinew {} doctor\n", env!("CARGO_PKG_VERSION"));

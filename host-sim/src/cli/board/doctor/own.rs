@@ -36,7 +36,7 @@ pub(super) fn look(
         Doubtful,
         "link",
         &format!("version {} on the board, {own} here", about.protocol),
-        "`sinew board flash` brings the firmware of this release",
+        "`sinew board flash` installs the firmware of this release",
     );
     let has_rig = about.rig != 0;
     let rig = if has_rig { format!("{:08x}", about.rig) } else { "none".to_owned() };
@@ -70,7 +70,7 @@ pub(super) fn look(
         findings.add(Doubtful, "log", &found, &remedy(warning.fault).unwrap_or_default());
     }
     let names: Vec<String> = faults.iter().map(|record| named(record.fault)).collect();
-    let found = if names.is_empty() { "none are kept".to_owned() } else { names.join("; ") };
+    let found = if names.is_empty() { "none are stored".to_owned() } else { names.join("; ") };
     findings.expect(
         names.is_empty(),
         Doubtful,
@@ -103,7 +103,7 @@ fn stored(board: &mut PortBoard, findings: &mut Findings) -> anyhow::Result<()> 
             Wrong,
             what,
             &format!("schema {found}, {length} bytes, by {approver}"),
-            &format!("this firmware reads schema {schema}: upload it anew"),
+            &format!("this firmware reads schema {schema}: upload it again"),
         );
     }
     Ok(())
@@ -148,7 +148,7 @@ fn loop_and_link(board: &mut PortBoard, findings: &mut Findings) {
             Doubtful,
             "stack",
             &format!("{} bytes were never used", summary.stack_free),
-            "tell us: this rig is near the board's end",
+            "tell us: this rig nearly fills the board",
         );
     }
     let lost = board.log.lost;
@@ -156,7 +156,10 @@ fn loop_and_link(board: &mut PortBoard, findings: &mut Findings) {
         lost == 0 && summary.link_damaged == 0,
         Doubtful,
         "link's frames",
-        &format!("{} damaged there, {lost} lost on the way back", summary.link_damaged),
+        &format!(
+            "{} damaged on the way to the board, {lost} lost on the way back",
+            summary.link_damaged
+        ),
         "another cable, or no hub between",
     );
     let errors: Vec<String> = (board.log.servos.iter().enumerate())
@@ -186,7 +189,7 @@ fn health(
     let Health { cycles_hz, period, .. } = health;
     let us = |cycles: u32| f64::from(cycles) * 1e6 / f64::from(cycles_hz.max(1));
     if cycles_hz == 0 {
-        findings.add(Doubtful, "cycles", "the board counts none", "");
+        findings.add(Doubtful, "cycles", "the board does not count cycles", "");
     }
     for (what, cycles) in [("tick", health.tick), ("bus", health.bus), ("link", health.link)] {
         let Cycles { most, count, .. } = cycles;
@@ -225,7 +228,7 @@ fn supply(board: &PortBoard, least_v: f32, parts: Option<&RigParts>, findings: &
     let of_rig = wanted.map_or_else(String::new, |v| format!(", the rig's file has {v:.1} V"));
     let todo = "measure it at the last servo; a stronger supply, or thicker and shorter cables";
     match at_rest {
-        0.0 => findings.add(Doubtful, "supply at rest", "no servo tells it", "measure it"),
+        0.0 => findings.add(Doubtful, "supply at rest", "no servo reports it", "measure it"),
         v => {
             findings.expect(
                 is_near(v),
