@@ -44,7 +44,7 @@ fn plants() -> [Variation; 4] {
 }
 
 /// The starter arm with servos of a kind, its masses in proportion to their torque.
-fn arm_of(model: &str) -> Rig {
+pub(super) fn arm_of(model: &str) -> Rig {
     let mut arm = sinew_rig::new::arm(6).unwrap();
     let [own, starter] = [model, STARTER].map(|name| ServoModel::built_in(name).unwrap());
     let factor = own.stall_torque_nm.value / starter.stall_torque_nm.value;
