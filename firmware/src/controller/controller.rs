@@ -11,7 +11,7 @@ use super::error::{ControllerError, Incomplete};
 use super::feed::{Jog, LiveSource, SoftStart, Sources, plays_show};
 use super::output::Output;
 use super::path::Path;
-use super::performance::Performance;
+use super::performance::{Carried, Performance};
 use super::pose::Pose;
 use super::registers::Comparison;
 use super::report::{DofReport, Report, ServoReport, filled};
@@ -21,12 +21,28 @@ use super::watch::Watch;
 use crate::drives::{Condition, Measured};
 use crate::supervisor::{
     Command, Fault, FaultSet, Findings, Inputs as Supervised, Outcome, Permission, Registers,
-    Source, State, Supervisor,
+    Settings, Source, State, Supervisor,
 };
 use crate::watchdog::Complete;
 
 /// Bytes of a packet that switches the torque of all servos, at most: head, and two for each.
 const SWITCH: (u32, u32) = (14, 2);
+
+/// A rig is lowered at this part of the speed that it may have: friction lets go of a joint all at once.
+const PACE: f32 = 0.7;
+/// So fast more of the weight is carried again where a joint is too fast by all of the pace, 1/s.
+const BACK_PER_S: f32 = 3.0;
+/// More than the weight by the model is carried by this part at most: a rig may be heavier.
+const LEAST_LOWERED: f32 = -0.5;
+/// A rig rests below this part of the pace.
+const RESTS: f32 = 0.15;
+/// A goal that is led down is ahead of its servo by this at most, rad.
+const LEAD_RAD: f32 = 0.07;
+/// Below this part of its effort, and below so many N m or N, a joint's weight is slight: its goal is led slower.
+const SLIGHT: f32 = 0.01;
+const SLIGHT_MOST: f32 = 0.1;
+/// Beside it nothing is divided, N m or N.
+const LEAST_NM: f32 = 1e-6;
 
 /// What a tick brings from outside.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -76,6 +92,8 @@ pub struct MotionController<
     permission: Permission,
     state: State,
     is_there: bool,
+    /// How much of its weight is let go of while the rig is lowered.
+    lowered: f32,
     /// Faults of the tick before, or of the board's start: found in the next tick.
     pending: FaultSet,
     was_late: bool,
@@ -153,6 +171,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             permission,
             state,
             is_there: false,
+            lowered: 0.0,
             pending: FaultSet::EMPTY,
             was_late: false,
             report: Report::new(state, permission.source, 0, 0),
@@ -275,6 +294,9 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         let outcome = self.supervise(inputs, jog, findings);
         let before = core::mem::replace(&mut self.permission, outcome.permission);
         self.state = outcome.state;
+        if self.state != State::Lowering {
+            self.lowered = 0.0;
+        }
         self.tell(&outcome);
         if self.permission.torque {
             self.comparison.stop(bus);
@@ -284,8 +306,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         }
         let mut result = self.change_source(&before);
         if result.is_ok() {
-            let is_led = self.permission.source == Source::Led;
-            result = if is_led { self.carry(bus) } else { self.perform(jog, bus) };
+            let is_carried = matches!(self.state, State::Floating | State::Lowering);
+            result = if is_carried { self.carry(bus) } else { self.perform(jog, bus) };
         }
         if let Err(why) = result {
             // In this very tick, and as a fault in the next.
@@ -387,8 +409,10 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             let measured_effort = measured.and_then(|measured| measured.effort);
             *report = DofReport { error, measured_effort, ..DofReport::default() };
         }
-        let Permission { torque, effort, .. } = self.permission;
-        let (is_held, report) = (torque && effort >= 1.0, &mut self.report.dofs);
+        let torque = self.permission.torque;
+        // What is lowered is to sink.
+        let is_held = torque && self.state != State::Lowering;
+        let report = &mut self.report.dofs;
         let following = self.watch.dofs(
             self.rig.dofs(),
             self.path.now().qd(),
@@ -494,23 +518,77 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         self.output.send(bus, (commands, conditions), permission, switch_on, servos)
     }
 
-    /// The rig carries itself, and what is commanded follows it: as long as it is no faster than it may be, so that
-    /// what runs away is found by its following error.
-    fn carry(&mut self, bus: &mut impl ServoBus) -> Result<(), Incomplete> {
-        let (permission, readings) = (&self.permission, &self.readings);
-        let led = self.sources.lead(readings.pose.q());
-        if !led.is_finite() {
-            return Err(Incomplete::NotFinite);
+    /// Lets go of the weight while nothing is fast, and carries more of it while something is. Goals of servos by
+    /// position are led down, no farther ahead than a servo that yields. Writes the speed of each dof: the trusted one
+    /// of what is braked, and that of its goal of what is led. What has no trusted reading is not waited for.
+    // Not within its caller, whose frame on the stack is deep.
+    #[inline(never)]
+    fn lower(&mut self, speeds: &mut [f32; DOFS]) {
+        let Self { rig, path, sources, performance, readings, watch, .. } = self;
+        let Settings { lower_s, lower_rad_s, .. } = *self.supervisor.settings();
+        let pace = PACE * lower_rad_s;
+        let carried = 1.0 - self.lowered;
+        let (mut to, mut led) = ([0.0; DOFS], [0.0; DOFS]);
+        path.positions(readings.tracked.q(), &mut to);
+        let dofs = rig.dofs().iter().zip(&readings.dofs).zip(speeds.iter_mut());
+        for (index, ((dof, measured), speed)) in dofs.enumerate() {
+            let measured = measured.filter(|measured| watch.is_fresh(measured));
+            if performance.corrects(index) {
+                *speed = measured.map_or(0.0, |measured| measured.velocity);
+                continue;
+            }
+            let least = (SLIGHT * dof.effort).min(SLIGHT_MOST);
+            // What weighs nothing, and has no effort, stays.
+            let down = -performance.weight(index) / (carried * least).max(LEAST_NM);
+            let down = down.clamp(-1.0, 1.0);
+            let at = number(&to, index);
+            let ahead = measured.map_or(0.0, |measured| at - measured.position);
+            let down = if ahead * down > LEAD_RAD * down.abs() { 0.0 } else { pace * down };
+            put(&mut led, index, down);
+            put(&mut to, index, at + self.dt_s * down);
+            *speed = number(path.now().qd(), index);
         }
-        self.is_there = self.path.step(led, 1.0, permission.speed_rad_s);
-        let mut walls = [0.0; DOFS];
-        self.path.walls(readings.pose.q(), &mut walls);
+        let goal = sources.lower();
+        path.coordinates(&to, goal.q_mut());
+        let [_, qd, _] = goal.all_mut();
+        qd.iter_mut().zip(led).for_each(|(qd, led)| *qd = led);
+        path.step(goal, 1.0, Some(pace));
+        let (share, _) = path.fastest(speeds, pace);
+        let rate = if share < 1.0 { 1.0 / lower_s.max(self.dt_s) } else { BACK_PER_S };
+        let lowered = self.lowered + self.dt_s * rate * (1.0 - share);
+        self.lowered = lowered.clamp(LEAST_LOWERED, 1.0);
+        self.is_there = self.lowered >= 1.0 && share < RESTS;
+    }
+
+    /// The rig carries itself, or is lowered. What is commanded follows it: as long as it is no faster than it may be,
+    /// so that what runs away is found by its following error.
+    fn carry(&mut self, bus: &mut impl ServoBus) -> Result<(), Incomplete> {
+        let (mut speeds, mut walls) = ([0.0; DOFS], [0.0; DOFS]);
+        if self.state == State::Lowering {
+            self.lower(&mut speeds);
+        } else {
+            let led = self.sources.lead(self.readings.pose.q());
+            if !led.is_finite() {
+                return Err(Incomplete::NotFinite);
+            }
+            self.is_there = self.path.step(led, 1.0, self.permission.speed_rad_s);
+            self.path.walls(self.readings.pose.q(), &mut walls);
+        }
+        let (permission, readings) = (&self.permission, &self.readings);
+        let count = self.rig.dofs().len();
+        let carried = Carried {
+            q: readings.pose.q(),
+            to: readings.tracked.q(),
+            qd: speeds.get(..count).unwrap_or_default(),
+            walls: &walls,
+            weight: 1.0 - self.lowered,
+        };
         let watch = &self.watch;
         let commands = self
             .performance
             .carry(
                 &self.path,
-                (readings.pose.q(), &walls),
+                &carried,
                 &readings.conditions,
                 |servo| permission.effort * watch.share(servo),
                 &mut self.report.dofs,

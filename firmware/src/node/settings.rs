@@ -17,7 +17,7 @@ const EACH: usize = 6;
 pub const SETTINGS_MAX: usize = EACH * SETTING_NAMES.len();
 
 /// All settings by key, from 1, with the unit behind the name.
-pub const SETTING_NAMES: [&str; 19] = [
+pub const SETTING_NAMES: [&str; 20] = [
     "link_hold_s",
     "link_limp_s",
     "enable_s",
@@ -37,6 +37,7 @@ pub const SETTING_NAMES: [&str; 19] = [
     "live_stale_s",
     "float_rad_s",
     "swing_gain",
+    "lower_rad_s",
 ];
 
 /// The meaning of each of [`SETTING_NAMES`], for people: a board has no words.
@@ -47,7 +48,7 @@ pub const SETTING_TEXTS: [&str; SETTING_NAMES.len()] = [
     "torque comes on, and the pose settles, before the rig holds",
     "from one source of poses to another",
     "the longest way to the rest pose; lowered where it is after that",
-    "effort fades to nothing",
+    "the carried weight fades in this while nothing moves; torque is off after four times this",
     "the fastest joint from standing still until it is where its feed is, and of jogging",
     "the fastest joint on the way to the rest pose",
     "the fastest joint in maintenance",
@@ -60,6 +61,7 @@ pub const SETTING_TEXTS: [&str; SETTING_NAMES.len()] = [
     "without a new frame for so long a live source is stale",
     "the fastest joint that is led by hand while the rig carries itself",
     "the part to which the feedback of a joint that swings is lowered",
+    "the fastest joint while the rig is lowered",
 ];
 
 /// What a node can be told. The rest of [`ControllerSettings`] is the board's: bus, servos, tracker.
@@ -217,6 +219,7 @@ impl NodeSettings {
             17 => &mut self.live_stale_s,
             18 => &mut supervisor.float_rad_s,
             19 => swing_gain,
+            20 => &mut supervisor.lower_rad_s,
             _ => return None,
         })
     }
