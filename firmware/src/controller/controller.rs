@@ -34,8 +34,9 @@ const PACE: f32 = 0.7;
 const BACK_PER_S: f32 = 3.0;
 /// More than the weight by the model is carried by this part at most: a rig may be heavier.
 const LEAST_LOWERED: f32 = -0.5;
-/// A rig rests below this part of the pace.
-const RESTS: f32 = 0.15;
+/// A rig rests below this part of the pace; a third of the fading time of that, and it is down.
+const RESTS: f32 = 0.1;
+const RESTED: f32 = 1.33;
 /// A goal that is led down is ahead of its servo by this at most, rad.
 const LEAD_RAD: f32 = 0.07;
 /// Below this part of its effort, and below so many N m or N, a joint's weight is slight: its goal is led slower.
@@ -527,7 +528,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         let Self { rig, path, sources, performance, readings, watch, .. } = self;
         let Settings { lower_s, lower_rad_s, .. } = *self.supervisor.settings();
         let pace = PACE * lower_rad_s;
-        let carried = 1.0 - self.lowered;
+        let carried = 1.0 - self.lowered.min(1.0);
         let (mut to, mut led) = ([0.0; DOFS], [0.0; DOFS]);
         path.positions(readings.tracked.q(), &mut to);
         let dofs = rig.dofs().iter().zip(&readings.dofs).zip(speeds.iter_mut());
@@ -556,8 +557,10 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         let (share, _) = path.fastest(speeds, pace);
         let rate = if share < 1.0 { 1.0 / lower_s.max(self.dt_s) } else { BACK_PER_S };
         let lowered = self.lowered + self.dt_s * rate * (1.0 - share);
-        self.lowered = lowered.clamp(LEAST_LOWERED, 1.0);
-        self.is_there = self.lowered >= 1.0 && share < RESTS;
+        // Nothing is carried from 1 on: there it must rest for a while.
+        let most = if share < RESTS { RESTED } else { 1.0 };
+        self.lowered = lowered.clamp(LEAST_LOWERED, most);
+        self.is_there = self.lowered >= RESTED;
     }
 
     /// The rig carries itself, or is lowered. What is commanded follows it: as long as it is no faster than it may be,
@@ -581,7 +584,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             to: readings.tracked.q(),
             qd: speeds.get(..count).unwrap_or_default(),
             walls: &walls,
-            weight: 1.0 - self.lowered,
+            weight: 1.0 - self.lowered.min(1.0),
         };
         let watch = &self.watch;
         let commands = self

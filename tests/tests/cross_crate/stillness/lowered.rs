@@ -38,6 +38,9 @@ struct Lowered {
     /// In the last tick with torque, of the servo that gives most: the part of its stall current, %.
     left_percent: f64,
     on: usize,
+    /// When it was fastest, s, and which dof.
+    when: (f64, usize),
+    after_when: (f64, usize),
 }
 
 impl Lowered {
@@ -48,6 +51,7 @@ impl Lowered {
             time_s: self.time_s.max(other.time_s),
             left_percent: self.left_percent.max(other.left_percent),
             on: self.on.max(other.on),
+            ..self
         }
     }
 }
@@ -72,10 +76,11 @@ fn raised(rig: &Rig, away_rad: f64) -> Vec<Vec<f64>> {
     (0..POSES).map(pose).collect()
 }
 
-/// The fastest joint between two poses, deg/s.
-fn fastest(before: &[f64], after: &[f64]) -> f64 {
+/// The fastest joint between two poses: deg/s, and which.
+fn fastest(before: &[f64], after: &[f64]) -> (f64, usize) {
     let ways = before.iter().zip(after).map(|(before, after)| (after - before).abs());
-    (ways.fold(0.0, f64::max) / SPEED_S).to_degrees()
+    let (dof, way) = ways.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+    ((way / SPEED_S).to_degrees(), dof)
 }
 
 /// Brings a rig to a pose, and lowers it.
@@ -116,7 +121,10 @@ fn lower(rig: &Rig, pose: &[f64], masses: f64) -> Lowered {
     let began_s = sim.time_s();
     while sim.permission().torque {
         poses.push(sim.q());
-        seen.most_deg_s = seen.most_deg_s.max(speed(&poses).unwrap_or(0.0));
+        let (deg_s, dof) = speed(&poses).unwrap_or_default();
+        if deg_s > seen.most_deg_s {
+            (seen.most_deg_s, seen.when) = (deg_s, (sim.time_s() - began_s, dof));
+        }
         (seen.time_s, seen.left_percent) = (sim.time_s() - began_s, left(&sim));
         sim.tick(None);
     }
@@ -125,7 +133,10 @@ fn lower(rig: &Rig, pose: &[f64], masses: f64) -> Lowered {
     while sim.time_s() < off_s + AFTER_S {
         sim.tick(None);
         poses.push(sim.q());
-        seen.after_deg_s = seen.after_deg_s.max(speed(&poses).unwrap_or(0.0));
+        let (deg_s, dof) = speed(&poses).unwrap_or_default();
+        if deg_s > seen.after_deg_s {
+            (seen.after_deg_s, seen.after_when) = (deg_s, (sim.time_s() - off_s, dof));
+        }
     }
     Lowered { on: sim.servos_on(), ..seen }
 }
