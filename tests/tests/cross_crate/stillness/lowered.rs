@@ -15,8 +15,9 @@ use super::run::Rig;
 
 /// The fastest joint, deg/s: the setting's default.
 const MOST_DEG_S: f64 = 30.0;
-/// Speeds are differences over this, s.
-const SPEED_S: f64 = 0.02;
+/// Speeds are differences over this, s; and over this, in which a joint falls through the play of its gear.
+const SPEED_S: f64 = 0.1;
+const BURST_S: f64 = 0.02;
 /// Torque is off after this at most, s.
 const MOST_S: f64 = 12.0;
 /// It is watched for so long after torque is off, s.
@@ -32,6 +33,8 @@ const MASSES: [f64; 2] = [0.85, 1.15];
 #[derive(Debug, Clone, Copy, Default)]
 struct Lowered {
     most_deg_s: f64,
+    /// Over the shorter time.
+    burst_deg_s: f64,
     /// After torque went off.
     after_deg_s: f64,
     time_s: f64,
@@ -47,6 +50,7 @@ impl Lowered {
     fn max(self, other: Self) -> Self {
         Self {
             most_deg_s: self.most_deg_s.max(other.most_deg_s),
+            burst_deg_s: self.burst_deg_s.max(other.burst_deg_s),
             after_deg_s: self.after_deg_s.max(other.after_deg_s),
             time_s: self.time_s.max(other.time_s),
             left_percent: self.left_percent.max(other.left_percent),
@@ -76,11 +80,15 @@ fn raised(rig: &Rig, away_rad: f64) -> Vec<Vec<f64>> {
     (0..POSES).map(pose).collect()
 }
 
-/// The fastest joint between two poses: deg/s, and which.
-fn fastest(before: &[f64], after: &[f64]) -> (f64, usize) {
-    let ways = before.iter().zip(after).map(|(before, after)| (after - before).abs());
-    let (dof, way) = ways.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
-    ((way / SPEED_S).to_degrees(), dof)
+/// The fastest joint of the last so many seconds of a way: deg/s, and which.
+fn fastest(poses: &[Vec<f64>], rate_hz: f64, over_s: f64) -> (f64, usize) {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "ticks")]
+    let apart = (over_s * rate_hz).round() as usize;
+    let Some(before) = poses.len().checked_sub(1 + apart) else { return (0.0, 0) };
+    let ways = poses[before].iter().zip(&poses[poses.len() - 1]);
+    let ways = ways.map(|(before, after)| (after - before).abs()).enumerate();
+    let (dof, way) = ways.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+    ((way / over_s).to_degrees(), dof)
 }
 
 /// Brings a rig to a pose, and lowers it.
@@ -89,7 +97,7 @@ fn lower(rig: &Rig, pose: &[f64], masses: f64) -> Lowered {
     let options = Options { drive: *drive, ..Options::default() };
     let mut parts = RigParts::new(description, mechanism, options).unwrap();
     parts.vary(Variation { masses, ..Variation::default() });
-    let show = rig.show_of(&Poses::of(&[pose.to_vec()]).motion)(parts.rig_crc());
+    let show = rig.show_of(&Poses::of(&[pose.to_owned()]).motion)(parts.rig_crc());
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
     let plant = parts.plant(description, mechanism).unwrap();
     let mut sim = SimulatedRig::new(&parts, Some(&show), &mut memories, plant).unwrap();
@@ -101,8 +109,6 @@ fn lower(rig: &Rig, pose: &[f64], masses: f64) -> Lowered {
         assert!(sim.time_s() < REACHED_S, "{:?}", sim.report());
         held += if sim.runs() { 1.0 / rate_hz } else { 0.0 };
     }
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "ticks")]
-    let apart = (SPEED_S * rate_hz).round() as usize;
     let mut poses = vec![sim.q()];
     let mut seen = Lowered::default();
     let left = |sim: &SimulatedRig<'_, RigPlant>| {
@@ -112,19 +118,16 @@ fn lower(rig: &Rig, pose: &[f64], masses: f64) -> Lowered {
         });
         servos.fold(0.0, f64::max)
     };
-    let speed = |poses: &[Vec<f64>]| {
-        let before = poses.len().checked_sub(1 + apart)?;
-        Some(fastest(&poses[before], &poses[poses.len() - 1]))
-    };
     sim.tick(Some(Command::Disarm));
     assert_eq!(sim.report().state, State::Lowering);
     let began_s = sim.time_s();
     while sim.permission().torque {
         poses.push(sim.q());
-        let (deg_s, dof) = speed(&poses).unwrap_or_default();
+        let (deg_s, dof) = fastest(&poses, rate_hz, SPEED_S);
         if deg_s > seen.most_deg_s {
             (seen.most_deg_s, seen.when) = (deg_s, (sim.time_s() - began_s, dof));
         }
+        seen.burst_deg_s = seen.burst_deg_s.max(fastest(&poses, rate_hz, BURST_S).0);
         (seen.time_s, seen.left_percent) = (sim.time_s() - began_s, left(&sim));
         sim.tick(None);
     }
@@ -133,7 +136,7 @@ fn lower(rig: &Rig, pose: &[f64], masses: f64) -> Lowered {
     while sim.time_s() < off_s + AFTER_S {
         sim.tick(None);
         poses.push(sim.q());
-        let (deg_s, dof) = speed(&poses).unwrap_or_default();
+        let (deg_s, dof) = fastest(&poses, rate_hz, SPEED_S);
         if deg_s > seen.after_deg_s {
             (seen.after_deg_s, seen.after_when) = (deg_s, (sim.time_s() - off_s, dof));
         }
@@ -155,8 +158,13 @@ fn row(name: &str, rig: &Rig, away_rad: f64) -> Vec<String> {
     let most = runs.iter().copied().fold(Lowered::default(), Lowered::max);
     let least_s = runs.iter().map(|run| run.time_s).fold(f64::INFINITY, f64::min);
     println!(
-        "| {name} | {:.0} | {least_s:.1} to {:.1} | {:.1} | {} | {:.0} |",
-        most.most_deg_s, most.time_s, most.left_percent, most.on, most.after_deg_s
+        "| {name} | {:.0} | {:.0} | {least_s:.1} to {:.1} | {:.1} | {} | {:.0} |",
+        most.most_deg_s,
+        most.burst_deg_s,
+        most.time_s,
+        most.left_percent,
+        most.on,
+        most.after_deg_s
     );
     let bad = |run: &&Lowered| {
         run.most_deg_s > MOST_DEG_S
