@@ -30,6 +30,8 @@ const SWITCH: (u32, u32) = (14, 2);
 
 /// A rig is lowered at this part of the speed that it may have: friction lets go of a joint all at once.
 const PACE: f32 = 0.7;
+/// A goal is led down at this part of the pace: a servo that sticks catches up.
+const LED: f32 = 0.7;
 /// So fast more of the weight is carried again where a joint is too fast by all of the pace, 1/s.
 const BACK_PER_S: f32 = 3.0;
 /// More than the weight by the model is carried by this part at most: a rig may be heavier.
@@ -42,7 +44,7 @@ const LEAD_RAD: f32 = 0.07;
 /// Below this part of its effort, and below so many N m or N, a joint's weight is slight: its goal is led slower.
 const SLIGHT: f32 = 0.01;
 const SLIGHT_MOST: f32 = 0.1;
-/// Beside it nothing is divided, N m or N.
+/// No weight is as slight as this, N m or N.
 const LEAST_NM: f32 = 1e-6;
 
 /// What a tick brings from outside.
@@ -93,8 +95,8 @@ pub struct MotionController<
     permission: Permission,
     state: State,
     is_there: bool,
-    /// How much of its weight is let go of while the rig is lowered.
-    lowered: f32,
+    /// By dof, how much of its weight is let go of while the rig is lowered.
+    lowered: [f32; DOFS],
     /// Faults of the tick before, or of the board's start: found in the next tick.
     pending: FaultSet,
     was_late: bool,
@@ -172,7 +174,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             permission,
             state,
             is_there: false,
-            lowered: 0.0,
+            lowered: [0.0; DOFS],
             pending: FaultSet::EMPTY,
             was_late: false,
             report: Report::new(state, permission.source, 0, 0),
@@ -296,7 +298,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         let before = core::mem::replace(&mut self.permission, outcome.permission);
         self.state = outcome.state;
         if self.state != State::Lowering {
-            self.lowered = 0.0;
+            self.lowered = [0.0; DOFS];
         }
         self.tell(&outcome);
         if self.permission.torque {
@@ -519,48 +521,46 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         self.output.send(bus, (commands, conditions), permission, switch_on, servos)
     }
 
-    /// Lets go of the weight while nothing is fast, and carries more of it while something is. Goals of servos by
+    /// Lets go of the weight of each joint while it is slow, and carries more of it while it is fast. Goals of servos by
     /// position are led down, no farther ahead than a servo that yields. Writes the speed of each dof: the trusted one
-    /// of what is braked, and that of its goal of what is led. What has no trusted reading is not waited for.
+    /// of what is braked, and that of its goal of what is led. What has no trusted reading is let go of by time.
     // Not within its caller, whose frame on the stack is deep.
     #[inline(never)]
     fn lower(&mut self, speeds: &mut [f32; DOFS]) {
-        let Self { rig, path, sources, performance, readings, watch, .. } = self;
+        let Self { rig, path, sources, performance, readings, watch, lowered, dt_s, .. } = self;
         let Settings { lower_s, lower_rad_s, .. } = *self.supervisor.settings();
         let pace = PACE * lower_rad_s;
-        let carried = 1.0 - self.lowered.min(1.0);
         let (mut to, mut led) = ([0.0; DOFS], [0.0; DOFS]);
         path.positions(readings.tracked.q(), &mut to);
-        let dofs = rig.dofs().iter().zip(&readings.dofs).zip(speeds.iter_mut());
-        for (index, ((dof, measured), speed)) in dofs.enumerate() {
+        self.is_there = true;
+        let dofs = rig.dofs().iter().zip(&readings.dofs).zip(speeds).zip(lowered);
+        for (index, (((dof, measured), speed), lowered)) in dofs.enumerate() {
             let measured = measured.filter(|measured| watch.is_fresh(measured));
             if performance.corrects(index) {
                 *speed = measured.map_or(0.0, |measured| measured.velocity);
-                continue;
+            } else {
+                let least = (SLIGHT * dof.effort).clamp(LEAST_NM, SLIGHT_MOST);
+                let down = (-performance.weight(index) / least).clamp(-1.0, 1.0);
+                let at = number(&to, index);
+                let ahead = measured.map_or(0.0, |measured| at - measured.position);
+                let is_held = ahead * down > LEAD_RAD * down.abs();
+                let down = if is_held { 0.0 } else { LED * pace * down };
+                put(&mut led, index, down);
+                put(&mut to, index, at + *dt_s * down);
+                *speed = number(path.now().qd(), index);
             }
-            let least = (SLIGHT * dof.effort).min(SLIGHT_MOST);
-            // What weighs nothing, and has no effort, stays.
-            let down = -performance.weight(index) / (carried * least).max(LEAST_NM);
-            let down = down.clamp(-1.0, 1.0);
-            let at = number(&to, index);
-            let ahead = measured.map_or(0.0, |measured| at - measured.position);
-            let down = if ahead * down > LEAD_RAD * down.abs() { 0.0 } else { pace * down };
-            put(&mut led, index, down);
-            put(&mut to, index, at + self.dt_s * down);
-            *speed = number(path.now().qd(), index);
+            let share = path.share(index, *speed, pace);
+            let rate = if share < 1.0 { 1.0 / lower_s.max(*dt_s) } else { BACK_PER_S };
+            // Nothing is carried from 1 on: there it must rest for a while.
+            let most = if share < RESTS { RESTED } else { 1.0 };
+            *lowered = (*lowered + *dt_s * rate * (1.0 - share)).clamp(LEAST_LOWERED, most);
+            self.is_there &= *lowered >= RESTED;
         }
         let goal = sources.lower();
         path.coordinates(&to, goal.q_mut());
         let [_, qd, _] = goal.all_mut();
         qd.iter_mut().zip(led).for_each(|(qd, led)| *qd = led);
         path.step(goal, 1.0, Some(pace));
-        let (share, _) = path.fastest(speeds, pace);
-        let rate = if share < 1.0 { 1.0 / lower_s.max(self.dt_s) } else { BACK_PER_S };
-        let lowered = self.lowered + self.dt_s * rate * (1.0 - share);
-        // Nothing is carried from 1 on: there it must rest for a while.
-        let most = if share < RESTS { RESTED } else { 1.0 };
-        self.lowered = lowered.clamp(LEAST_LOWERED, most);
-        self.is_there = self.lowered >= RESTED;
     }
 
     /// The rig carries itself, or is lowered. What is commanded follows it: as long as it is no faster than it may be,
@@ -584,7 +584,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             to: readings.tracked.q(),
             qd: speeds.get(..count).unwrap_or_default(),
             walls: &walls,
-            weight: 1.0 - self.lowered.min(1.0),
+            lowered: &self.lowered,
+            weight: permission.effort,
         };
         let watch = &self.watch;
         let commands = self
@@ -593,7 +594,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
                 &self.path,
                 &carried,
                 &readings.conditions,
-                |servo| permission.effort * watch.share(servo),
+                |servo| watch.share(servo),
                 &mut self.report.dofs,
             )
             .map_err(|_| Incomplete::NotFinite)?;

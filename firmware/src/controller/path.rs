@@ -136,21 +136,20 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
 
     /// The dof that moves farthest beyond `most_rad_s` of the fastest shaft of its drive, if any does.
     pub(super) fn moving(&self, qd: &[f32], most_rad_s: f32) -> Option<Moving> {
-        let (share, dof) = self.fastest(qd, most_rad_s);
-        let most = most_rad_s / self.dofs.get(dof)?.shaft;
-        (share > 1.0).then(|| Moving::new(dof, number(qd, dof), most))
-    }
-
-    /// The dof that moves farthest for `most_rad_s` of the fastest shaft of its drive: the part of that, and the dof.
-    pub(super) fn fastest(&self, qd: &[f32], most_rad_s: f32) -> (f32, usize) {
-        let mut found = (0.0, 0);
+        let (mut farthest, mut found) = (1.0, None);
         for (dof, (axis, rad_s)) in self.dofs.iter().zip(qd).enumerate() {
             let share = rad_s.abs() * axis.shaft / most_rad_s;
-            if share > found.0 {
-                found = (share, dof);
+            if share > farthest {
+                let most = most_rad_s / axis.shaft;
+                (farthest, found) = (share, Some(Moving::new(dof, *rad_s, most)));
             }
         }
         found
+    }
+
+    /// A dof's speed as a part of `most_rad_s` of the fastest shaft of its drive.
+    pub(super) fn share(&self, dof: usize, speed: f32, most_rad_s: f32) -> f32 {
+        speed.abs() * self.dofs.get(dof).map_or(1.0, |axis| axis.shaft) / most_rad_s
     }
 
     /// By dof, what pushes a pose back from the ends of its ranges, N m or N. Ball joints have no walls.

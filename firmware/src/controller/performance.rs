@@ -31,7 +31,9 @@ pub(super) struct Carried<'p> {
     pub(super) qd: &'p [f32],
     /// What pushes it back from the ends of its ranges.
     pub(super) walls: &'p [f32],
-    /// What part of its weight is carried.
+    /// By dof, what part of its weight is let go of.
+    pub(super) lowered: &'p [f32],
+    /// What part of its weight is carried at most.
     pub(super) weight: f32,
 }
 
@@ -139,7 +141,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         self.corrects.get(dof).copied().unwrap_or(false)
     }
 
-    /// The effort of a dof by the model, as it was carried last.
+    /// What a dof that corrects no error weighs by the model, when it was carried last.
     pub(super) fn weight(&self, dof: usize) -> f32 {
         self.commands.get(dof).map_or(0.0, |command| command.feedforward_effort)
     }
@@ -231,21 +233,33 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
             *braked = Twist { angular: angular * -BRAKE_PER_S, linear: linear * -BRAKE_PER_S };
         }
         let gravity = self.tracker.controller().gravity_m_s2();
-        inverse_dynamics(
-            bodies,
-            states.as_slice(),
-            &braked,
-            gravity * carried.weight,
-            &[],
-            &mut motions,
-            &mut wrenches,
-        );
-        let wrenches = wrenches.get(..bodies.len()).unwrap_or_default();
-        tree.efforts(states.as_slice(), wrenches, efforts).map_err(|_| NotFinite)?;
+        let mut brakes = [0.0; DOFS];
+        let brakes = brakes.get_mut(..count).unwrap_or_default();
+        for (accelerations, out) in [(&[Twist::ZERO; BODIES], &mut *efforts), (&braked, brakes)] {
+            inverse_dynamics(
+                bodies,
+                states.as_slice(),
+                accelerations,
+                gravity,
+                &[],
+                &mut motions,
+                &mut wrenches,
+            );
+            let wrenches = wrenches.get(..bodies.len()).unwrap_or_default();
+            tree.efforts(states.as_slice(), wrenches, out).map_err(|_| NotFinite)?;
+        }
         for (index, (command, dof)) in self.commands.iter_mut().zip(self.rig.dofs()).enumerate() {
-            let weight = number(efforts, index).max(-dof.effort).min(dof.effort);
-            (command.feedforward_effort, command.feedback_effort) =
-                (weight, number(carried.walls, index));
+            let weight = number(efforts, index);
+            let brake = number(brakes, index) - weight;
+            let weight = weight.max(-dof.effort).min(dof.effort);
+            // A servo by position holds itself up where it is: all of its weight is taken off until the end.
+            let part = if self.corrects.get(index) == Some(&true) {
+                (1.0 - number(carried.lowered, index).min(1.0)).min(carried.weight)
+            } else {
+                1.0
+            };
+            command.feedforward_effort = part * weight;
+            command.feedback_effort = brake + number(carried.walls, index);
         }
         for (command, report) in self.commands.iter().zip(report) {
             report.effort = command.effort();
@@ -382,7 +396,8 @@ matrix = { rows = [[0.5, -0.5]] }
         let conditions = [Condition { feedback: Some(read), ..known }, known];
         for _ in 0..100 {
             let mut reports = [DofReport::default()];
-            let carried = Carried { q: &q, to: &q, qd: &[0.0], walls: &[0.0], weight: 1.0 };
+            let carried =
+                Carried { q: &q, to: &q, qd: &[0.0], walls: &[0.0], lowered: &[0.0], weight: 1.0 };
             let out = performance.carry(&path, &carried, &conditions, |_| 1.0, &mut reports);
             let out = out.map_err(|_| ()).unwrap();
             for servo in out.iter().flatten() {

@@ -144,11 +144,10 @@ fn lower(rig: &Rig, pose: &[f64], masses: f64) -> Lowered {
     Lowered { on: sim.servos_on(), ..seen }
 }
 
-/// A rig from ten poses, with masses that are off either way: each run.
+/// A rig from ten poses, with masses that are off one way and the other: each run.
 fn lowered(rig: &Rig, away_rad: f64) -> Vec<Lowered> {
     let poses = raised(rig, away_rad);
-    let runs = poses.iter().flat_map(|pose| MASSES.map(|masses| (pose, masses)));
-    let runs: Vec<_> = runs.collect();
+    let runs: Vec<_> = poses.iter().zip(MASSES.into_iter().cycle()).collect();
     runs.into_par_iter().map(|(pose, masses)| lower(rig, pose, masses)).collect()
 }
 
@@ -191,19 +190,13 @@ fn an_arm_by_position_goes_down_slowly() {
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn robots_go_down_slowly() {
-    let rigs = [
-        ("starter arm", Rig::new_arm(), 1.0),
-        ("old arm", Rig::old_arm(), 1.0),
-        ("Poppy, MX-64", robot(POPPY, Some("l_knee_y"), &["mx-64"]), 0.5),
-        ("OP3, XM430", robot(OP3, None, &["xm430"]), 0.5),
-        ("OP3, mixed", robot(OP3, None, MIXED), 0.5),
-        (
-            "STS3215 arm, by position",
-            Rig { drive: Some(Drive::Position), ..arm_of("STS3215-7.4V") },
-            1.0,
-        ),
-    ];
-    let bad: Vec<String> =
-        rigs.iter().flat_map(|(name, rig, away_rad)| row(name, rig, *away_rad)).collect();
+    let turned = Some("l_knee_y");
+    let bad = [
+        row("old arm", &Rig::old_arm(), 1.0),
+        row("Poppy, MX-64", &robot(POPPY, turned, &["mx-64"]), 0.5),
+        row("OP3, XM430", &robot(OP3, None, &["xm430"]), 0.5),
+        row("OP3, mixed", &robot(OP3, None, MIXED), 0.5),
+    ]
+    .concat();
     assert!(bad.is_empty(), "{}", bad.join("\n"));
 }
