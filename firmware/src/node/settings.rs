@@ -48,7 +48,7 @@ pub const SETTING_TEXTS: [&str; SETTING_NAMES.len()] = [
     "torque comes on, and the pose settles, before the rig holds",
     "from one source of poses to another",
     "the longest way to the rest pose; lowered where it is after that",
-    "the carried weight fades in this while nothing moves; torque is off after four times this",
+    "the carried weight fades in this while nothing moves; torque is off after six times this",
     "the fastest joint from standing still until it is where its feed is, and of jogging",
     "the fastest joint on the way to the rest pose",
     "the fastest joint in maintenance",

@@ -8,7 +8,7 @@ const DEG: f32 = core::f32::consts::PI / 180.0;
 pub const SOFT_MOST_RAD_S: f32 = 20.0 * DEG;
 
 /// Torque is off after so many times [`Settings::lower_s`]; and where the supply is low or a servo is hot.
-pub const LOWER_MOST: [f32; 2] = [4.0, 2.0];
+pub const LOWER_MOST: [f32; 2] = [6.0, 2.0];
 
 /// How long the supervisor waits, and how fast it lets joints move.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -45,7 +45,7 @@ pub(crate) fn measure(tried: &mut impl Tried, fault: Fault, state: State) -> Cel
         assert_eq!(tried.state(), state, "{state} ended before {fault}");
     }
     let (mut bytes, mut torque) = (None, None);
-    for tick in 0..tried.ticks_of(4.0) {
+    for tick in 0..tried.ticks_of(20.0) {
         let is_off = tried.servos_on() == 0 && tried.most_current_a() < NOTHING_A;
         bytes = bytes.or_else(|| tried.sent_off().then_some(tick));
         torque = torque.or_else(|| is_off.then_some(tick));
@@ -66,8 +66,8 @@ pub(crate) fn measure(tried: &mut impl Tried, fault: Fault, state: State) -> Cel
             break;
         }
         // What is lowered is carried on the way down: half a second from here some of the torque is there. The least
-        // share of effort is 0.3, and the least that lowering has left of it, after 2.5 s of 3, a sixth. Servos that
-        // have stopped by themselves carry nothing.
+        // share of effort is 0.3, and of a weight that stands 2.5 s of fading leave a sixth. Servos that have stopped
+        // by themselves carry nothing.
         if reaction == Reaction::Lower
             && tick == tried.ticks_of(0.5)
             && fault != Fault::ServoStopped

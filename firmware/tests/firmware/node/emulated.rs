@@ -230,7 +230,7 @@ fn performance(mut world: World) -> Run {
         } else {
             world.until(State::Holding, 20.0);
             world.ask(Command::Stop);
-            world.until(State::Limp, 25.0);
+            world.until(State::Limp, 40.0);
             // Its limbs come to rest.
             world.run(3.0);
         }
