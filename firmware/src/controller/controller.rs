@@ -35,15 +35,15 @@ const LED: f32 = 0.7;
 /// So fast more of the weight is carried again where a joint is too fast by all of the pace, 1/s.
 const BACK_PER_S: f32 = 3.0;
 /// More than the weight by the model is carried by this part at most: a rig may be heavier.
-const LEAST_LOWERED: f32 = -0.5;
+const LEAST_LOWERED: f32 = -0.25;
 /// A rig rests below this part of the pace; a third of the fading time of that, and it is down.
 const RESTS: f32 = 0.1;
 const RESTED: f32 = 1.33;
 /// A goal that is led down is ahead of its servo by this at most, rad.
 const LEAD_RAD: f32 = 0.07;
 /// Below this part of its effort, and below so many N m or N, a joint's weight is slight: its goal is led slower.
-const SLIGHT: f32 = 0.01;
-const SLIGHT_MOST: f32 = 0.1;
+const SLIGHT: f32 = 0.003;
+const SLIGHT_MOST: f32 = 0.03;
 /// No weight is as slight as this, N m or N.
 const LEAST_NM: f32 = 1e-6;
 
@@ -550,10 +550,13 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
                 *speed = number(path.now().qd(), index);
             }
             let share = path.share(index, *speed, pace);
-            let rate = if share < 1.0 { 1.0 / lower_s.max(*dt_s) } else { BACK_PER_S };
             // Nothing is carried from 1 on: there it must rest for a while.
             let most = if share < RESTS { RESTED } else { 1.0 };
-            *lowered = (*lowered + *dt_s * rate * (1.0 - share)).clamp(LEAST_LOWERED, most);
+            // What goes up, as by a hand, is not helped.
+            let left = if *speed * performance.weight(index) > 0.0 { 1.0 } else { 1.0 - share };
+            let is_slow = left > 0.0 && *lowered >= 0.0;
+            let rate = if is_slow { 1.0 / lower_s.max(*dt_s) } else { BACK_PER_S };
+            *lowered = (*lowered + *dt_s * rate * left).clamp(LEAST_LOWERED, most);
             self.is_there &= *lowered >= RESTED;
         }
         let goal = sources.lower();
