@@ -1,4 +1,5 @@
-//! An arm of two joints follows frames of joint angles. Its encoders measure no speeds, and its servos take positions.
+//! An arm of two joints follows frames of joint angles. Its encoders measure no speeds, and its servos accept
+//! positions.
 
 use sinew_core::coordinates::DofCommand;
 use sinew_core::tracker::{Frame, FrameSource, Measured, Settings, Timing, Tracker};
@@ -32,7 +33,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     let mut tracker = Tracker::<2>::new(arm, &Settings::default(), timing)?
         .with_limits(&[TorqueLimit::new(2.0, 0.0)?; 2])?;
     let (mut frames, mut commands) = (Swing([[0.0; 2]; 3]), [DofCommand::default(); 2]);
-    // What the encoders read, rad.
+    // Readings of the encoders, rad.
     let mut positions = [0.0; 2];
     for tick in 0..5 {
         let measured = Measured::Positions { q: &positions };
@@ -40,7 +41,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
         for DofCommand { position, feedforward_effort, .. } in &commands {
             println!("tick {tick}: {position:.4} rad, {feedforward_effort:.4} N m");
         }
-        // In place of servos: each is where it was told to be.
+        // Stands in for the servos: each moves exactly to its commanded position.
         positions = commands.map(|command| command.position);
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! The crate as its users meet it: the README's example, and settings and states that are stored.
+//! Tests of the crate's public interface: the README's example, and stored settings and states.
 
 mod readme;
 #[cfg(feature = "serde")]

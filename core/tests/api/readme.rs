@@ -1,4 +1,4 @@
-//! The first example stands in the README, too: as it is.
+//! The README contains the first example unchanged.
 
 #[test]
 fn the_readme_has_the_example_as_it_is() {

@@ -1,10 +1,10 @@
 //! Where poses come from: a show, a live stream, somebody who jogs, a pose that stands.
 
-use sinew_core::tracker::FrameSource;
-use sinew_rig::board::BoardRig;
+use sinew_core::tracker::{Frame, FrameSource};
+use sinew_rig::board::{BoardDof, BoardRig};
 use sinew_show::{Position, Show, ShowError, ShowFrames};
 
-use super::path::Path;
+use super::path::{Path, THERE};
 use super::pose::Pose;
 use crate::supervisor::{Fault, FaultSet, Feed, Feeds, Permission, Settings, Source, State};
 
@@ -269,7 +269,36 @@ pub fn open_show<
     let show = Show::open(bytes)?;
     show.check_rig(rig_crc)?;
     show.check_joints(rig.tree().bodies().iter().map(|body| body.joint))?;
-    ShowFrames::new(show, dt_s)
+    let mut frames = ShowFrames::new(show, dt_s)?;
+    check_first_pose(rig, &mut frames)?;
+    Ok(frames)
+}
+
+/// Refuses a show whose first pose is beyond a range: the rig would wait for it without end. Ball joints have no ends.
+fn check_first_pose<
+    const BODIES: usize,
+    const DOFS: usize,
+    const SERVOS: usize,
+    const COORDS: usize,
+>(
+    rig: &BoardRig<BODIES, DOFS, SERVOS>,
+    frames: &mut ShowFrames<'_, COORDS>,
+) -> Result<(), ShowError> {
+    let Frame::Coordinates { q, .. } = frames.frame(0) else { return Ok(()) };
+    let (mut q, mut dofs) = (q.iter(), rig.dofs().iter().enumerate());
+    for joint in rig.tree().bodies().iter().map(|body| body.joint) {
+        // A ball joint has a coordinate more than dofs: the pairs end with it.
+        let own = q.by_ref().take(joint.coordinate_count());
+        for (found, (dof, BoardDof { range: [least, most], .. })) in
+            own.zip(dofs.by_ref().take(joint.dof_count()))
+        {
+            let is_ball = joint.coordinate_count() > joint.dof_count();
+            if !is_ball && (found.max(*least).min(*most) - found).abs() > THERE {
+                return Err(ShowError::Range { dof, found: *found, least: *least, most: *most });
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Whether a show is what plays.

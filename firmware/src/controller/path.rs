@@ -19,7 +19,7 @@ const WALL: (f32, f32) = (0.087, 0.1);
 const WALL_EFFORT: f32 = 0.5;
 
 /// A commanded pose this near to its source is there, rad or m.
-const THERE: f32 = 1e-3;
+pub(super) const THERE: f32 = 1e-3;
 
 /// The commanded pose, from tick to tick.
 #[derive(Debug, Clone)]

@@ -92,11 +92,11 @@ impl fmt::Display for Refused {
             }
             Self::FeedSilent(feed) => write!(f, "the feed ({feed}) gives no poses: start it first"),
             Self::NoEffort => f.write_str(
-                "not every servo takes an effort: what is driven by position cannot float; teach it limp",
+                "not every servo accepts an effort: a servo driven by position cannot float; teach with torque off",
             ),
-            Self::Fault(fault) => write!(f, "{fault}: mend it and clear it first"),
+            Self::Fault(fault) => write!(f, "{fault}: remove its cause and clear it first"),
             Self::StillThere(fault) => write!(f, "{fault} is still there: nothing was cleared"),
-            Self::NeedsUpload(fault) => write!(f, "{fault} goes with a new upload alone"),
+            Self::NeedsUpload(fault) => write!(f, "{fault} is cleared only by a new upload"),
             Self::NoFault => f.write_str("no fault is latched"),
             Self::InMaintenance(Operator(id)) => {
                 write!(f, "operator {id} has the rig for maintenance, and must leave it first")
@@ -110,11 +110,11 @@ impl core::error::Error for Refused {}
 /// What one can do in a state in which a command was refused.
 const fn way_from(state: State) -> &'static str {
     match state {
-        State::Off => "it waits until every servo was read, its registers too",
+        State::Off => "it waits until every servo and its registers were read",
         State::Limp => "arm it first",
         State::Calibrating | State::Teaching => "disarm it first",
         State::Arming | State::Stopping | State::Lowering => "wait until that is over",
-        State::Holding => "it is armed already; what is done by hand needs it limp",
+        State::Holding => "it is armed already; work by hand needs the state limp",
         State::Playing | State::Floating => "hold it, or disarm it, first",
         State::Maintenance => "the operator must leave it first",
         State::Faulted => "clear the fault first",

@@ -1,50 +1,50 @@
-//! What servo 0 tells that is not so: its bytes are changed on their way, with the check that goes with them.
+//! False readings of servo 0: its bytes are changed in transit, together with their checksum.
 
 use sinew_servo_bus::dynamixel::crc::Crc;
 use sinew_servo_bus::dynamixel::table::address;
 use sinew_servo_bus::dynamixel::{BROADCAST, HEADER};
 
-/// Of an XL330: 0.1 V, 1 mA, a turn in 4096 counts.
+/// False readings of an XL330, in its units: 0.1 V, 1 mA, 4096 counts per turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Lie {
-    /// It reports an overload.
+    /// Whether the servo reports an overload.
     pub(crate) alert: bool,
     pub(crate) celsius: Option<u8>,
     pub(crate) decivolts: Option<u16>,
     pub(crate) milliamps: Option<[i16; 2]>,
-    /// In some answers the one, in as many the other.
+    /// Two positions that alternate, each for several answers.
     pub(crate) positions: Option<[i32; 2]>,
 }
 
 #[derive(Default)]
 pub(crate) struct Told {
     pub(crate) lie: Lie,
-    /// What was asked of one servo.
+    /// Address that a single servo was asked for.
     asked: Option<u16>,
-    /// Answers of servo 0 so far.
+    /// Number of answers of servo 0.
     answers: usize,
-    /// Of the answer of all in one packet, as far as it has come.
+    /// Checksum of the answer of all servos in one packet, as far as it has arrived.
     fast: Option<Crc>,
 }
 
 const READ: u8 = 0x02;
-/// Id of servo 0.
+/// Bus ID of servo 0.
 const ID: u8 = 1;
-/// Bytes in front of error and data of a status.
+/// Number of bytes before error and data of a status packet.
 const HEAD: usize = 8;
-/// Answers with the same lie about a position: a jump is believed when it is read again.
+/// Number of answers with the same false position: a jump is believed when it is read again.
 const EACH: usize = 8;
 const OVERLOAD: u8 = 1 << 5;
 
 impl Told {
-    /// Bytes of the board: the last packet of them is its question.
+    /// Records the board's bytes: their last packet is its question.
     pub(crate) fn asked(&mut self, bytes: &[u8]) {
         self.fast = None;
         let is_read = bytes.len() == 14 && bytes[7] == READ;
         self.asked = is_read.then(|| u16::from_le_bytes([bytes[8], bytes[9]]));
     }
 
-    /// What comes of what a servo says.
+    /// Returns the changed bytes of a servo's answer.
     pub(crate) fn told(&mut self, said: &[u8]) -> Vec<u8> {
         let mut said = said.to_vec();
         if self.lie == Lie::default() || said.len() < 5 {
@@ -53,7 +53,7 @@ impl Told {
         let is_first = said.starts_with(&HEADER);
         let is_fast = self.asked.is_none();
         if is_first && said[4] == if is_fast { BROADCAST } else { ID } {
-            // In an answer of all, the id stands between error and data.
+            // In the answer of all servos, the id is between error and data.
             let data = HEAD + 1 + usize::from(is_fast);
             let is_mine = !is_fast || said[HEAD + 1] == ID;
             if is_mine {

@@ -1,4 +1,4 @@
-//! Rigs that stand still.
+//! Tests of rigs that stand still.
 
 mod classes;
 mod creep;
