@@ -238,7 +238,8 @@ fn performance(mut world: World) -> Run {
     }
     world.run(1.0);
     assert_eq!((world.servos_on(), world.pins.outputs), (0, false));
-    assert!(world.host.faults.iter().any(|fault| fault.fault == 16), "{:?}", world.host.faults);
+    // Its one message may be lost on the line.
+    assert!(world.has(Fault::EStop)[1], "{:?}", world.host.faults);
     let setting = sinew_link::message::Value::Number(7.0);
     world.ask(Command::WriteSetting { key: 7, value: setting });
     world.connect();
@@ -258,9 +259,9 @@ fn performance(mut world: World) -> Run {
 }
 
 /// Compares nodes with the board in process, over a bad line: an arm in current mode, one in PWM mode, and one in
-/// position mode. With these seeds the line does not lose the one message of the fault.
+/// position mode.
 fn all_say_the_same(emulated: impl Fn(Kind) -> Emulated) {
-    for (kind, seed) in [(Kind::Current, 10), (Kind::Voltage, 5), (Kind::Position, 11)] {
+    for (kind, seed) in [(Kind::Current, 7), (Kind::Voltage, 5), (Kind::Position, 11)] {
         let in_process = performance(World::new(kind, BAD, seed));
         let mut world = World::new(kind, BAD, seed);
         world.emulated = Some(emulated(kind));
