@@ -11,7 +11,7 @@ use super::error::{ControllerError, Incomplete};
 use super::feed::{Jog, LiveSource, SoftStart, Sources, plays_show};
 use super::output::Output;
 use super::path::Path;
-use super::performance::Performance;
+use super::performance::{Carried, Performance};
 use super::pose::Pose;
 use super::registers::Comparison;
 use super::report::{DofReport, Report, ServoReport, filled};
@@ -21,12 +21,31 @@ use super::watch::Watch;
 use crate::drives::{Condition, Measured};
 use crate::supervisor::{
     Command, Fault, FaultSet, Findings, Inputs as Supervised, Outcome, Permission, Registers,
-    Source, State, Supervisor,
+    Settings, Source, State, Supervisor,
 };
 use crate::watchdog::Complete;
 
 /// Bytes of a packet that switches the torque of all servos, at most: head, and two for each.
 const SWITCH: (u32, u32) = (14, 2);
+
+/// A rig is lowered at this part of the speed that it may have: friction lets go of a joint all at once.
+const PACE: f32 = 0.7;
+/// A goal is led down at this part of the pace: a servo that sticks catches up.
+const LED: f32 = 0.7;
+/// So fast more of the weight is carried again where a joint is too fast by all of the pace, 1/s.
+const BACK_PER_S: f32 = 3.0;
+/// More than the weight by the model is carried by this part at most: a rig may be heavier.
+const LEAST_LOWERED: f32 = -0.25;
+/// A rig rests below this part of the pace; a third of the fading time of that, and it is down.
+const RESTS: f32 = 0.1;
+const RESTED: f32 = 1.33;
+/// A goal that is led down is ahead of its servo by this at most, rad.
+const LEAD_RAD: f32 = 0.07;
+/// Below this part of its effort, and below so many N m or N, a joint's weight is slight: its goal is led slower.
+const SLIGHT: f32 = 0.003;
+const SLIGHT_MOST: f32 = 0.03;
+/// No weight is as slight as this, N m or N.
+const LEAST_NM: f32 = 1e-6;
 
 /// What a tick brings from outside.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -76,6 +95,8 @@ pub struct MotionController<
     permission: Permission,
     state: State,
     is_there: bool,
+    /// By dof, how much of its weight is let go of while the rig is lowered.
+    lowered: [f32; DOFS],
     /// Faults of the tick before, or of the board's start: found in the next tick.
     pending: FaultSet,
     was_late: bool,
@@ -153,6 +174,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             permission,
             state,
             is_there: false,
+            lowered: [0.0; DOFS],
             pending: FaultSet::EMPTY,
             was_late: false,
             report: Report::new(state, permission.source, 0, 0),
@@ -275,6 +297,9 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         let outcome = self.supervise(inputs, jog, findings);
         let before = core::mem::replace(&mut self.permission, outcome.permission);
         self.state = outcome.state;
+        if self.state != State::Lowering {
+            self.lowered = [0.0; DOFS];
+        }
         self.tell(&outcome);
         if self.permission.torque {
             self.comparison.stop(bus);
@@ -284,8 +309,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         }
         let mut result = self.change_source(&before);
         if result.is_ok() {
-            let is_led = self.permission.source == Source::Led;
-            result = if is_led { self.carry(bus) } else { self.perform(jog, bus) };
+            let is_carried = matches!(self.state, State::Floating | State::Lowering);
+            result = if is_carried { self.carry(bus) } else { self.perform(jog, bus) };
         }
         if let Err(why) = result {
             // In this very tick, and as a fault in the next.
@@ -387,8 +412,10 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             let measured_effort = measured.and_then(|measured| measured.effort);
             *report = DofReport { error, measured_effort, ..DofReport::default() };
         }
-        let Permission { torque, effort, .. } = self.permission;
-        let (is_held, report) = (torque && effort >= 1.0, &mut self.report.dofs);
+        let torque = self.permission.torque;
+        // What is lowered is to sink.
+        let is_held = torque && self.state != State::Lowering;
+        let report = &mut self.report.dofs;
         let following = self.watch.dofs(
             self.rig.dofs(),
             self.path.now().qd(),
@@ -494,25 +521,83 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         self.output.send(bus, (commands, conditions), permission, switch_on, servos)
     }
 
-    /// The rig carries itself, and what is commanded follows it: as long as it is no faster than it may be, so that
-    /// what runs away is found by its following error.
-    fn carry(&mut self, bus: &mut impl ServoBus) -> Result<(), Incomplete> {
-        let (permission, readings) = (&self.permission, &self.readings);
-        let led = self.sources.lead(readings.pose.q());
-        if !led.is_finite() {
-            return Err(Incomplete::NotFinite);
+    /// Lets go of the weight of each joint while it is slow, and carries more of it while it is fast. Goals of servos by
+    /// position are led down, no farther ahead than a servo that yields. Writes the speed of each dof: the trusted one
+    /// of what is braked, and that of its goal of what is led. What has no trusted reading is let go of by time.
+    // Not within its caller, whose frame on the stack is deep.
+    #[inline(never)]
+    fn lower(&mut self, speeds: &mut [f32; DOFS]) {
+        let Self { rig, path, sources, performance, readings, watch, lowered, dt_s, .. } = self;
+        let Settings { lower_s, lower_rad_s, .. } = *self.supervisor.settings();
+        let pace = PACE * lower_rad_s;
+        let (mut to, mut led) = ([0.0; DOFS], [0.0; DOFS]);
+        path.positions(readings.tracked.q(), &mut to);
+        self.is_there = true;
+        let dofs = rig.dofs().iter().zip(&readings.dofs).zip(speeds).zip(lowered);
+        for (index, (((dof, measured), speed), lowered)) in dofs.enumerate() {
+            let measured = measured.filter(|measured| watch.is_fresh(measured));
+            if performance.corrects(index) {
+                *speed = measured.map_or(0.0, |measured| measured.velocity);
+            } else {
+                let least = (SLIGHT * dof.effort).clamp(LEAST_NM, SLIGHT_MOST);
+                let down = (-performance.weight(index) / least).clamp(-1.0, 1.0);
+                let at = number(&to, index);
+                let ahead = measured.map_or(0.0, |measured| at - measured.position);
+                let is_held = ahead * down > LEAD_RAD * down.abs();
+                let down = if is_held { 0.0 } else { LED * pace * down };
+                put(&mut led, index, down);
+                put(&mut to, index, at + *dt_s * down);
+                *speed = number(path.now().qd(), index);
+            }
+            let share = path.share(index, *speed, pace);
+            // Nothing is carried from 1 on: there it must rest for a while.
+            let most = if share < RESTS { RESTED } else { 1.0 };
+            // What goes up, as by a hand, is not helped.
+            let left = if *speed * performance.weight(index) > 0.0 { 1.0 } else { 1.0 - share };
+            let is_slow = left > 0.0 && *lowered >= 0.0;
+            let rate = if is_slow { 1.0 / lower_s.max(*dt_s) } else { BACK_PER_S };
+            *lowered = (*lowered + *dt_s * rate * left).clamp(LEAST_LOWERED, most);
+            self.is_there &= *lowered >= RESTED;
         }
-        self.is_there = self.path.step(led, 1.0, permission.speed_rad_s);
-        let mut walls = [0.0; DOFS];
-        self.path.walls(readings.pose.q(), &mut walls);
+        let goal = sources.lower();
+        path.coordinates(&to, goal.q_mut());
+        let [_, qd, _] = goal.all_mut();
+        qd.iter_mut().zip(led).for_each(|(qd, led)| *qd = led);
+        path.step(goal, 1.0, Some(pace));
+    }
+
+    /// The rig carries itself, or is lowered. What is commanded follows it: as long as it is no faster than it may be,
+    /// so that what runs away is found by its following error.
+    fn carry(&mut self, bus: &mut impl ServoBus) -> Result<(), Incomplete> {
+        let (mut speeds, mut walls) = ([0.0; DOFS], [0.0; DOFS]);
+        if self.state == State::Lowering {
+            self.lower(&mut speeds);
+        } else {
+            let led = self.sources.lead(self.readings.pose.q());
+            if !led.is_finite() {
+                return Err(Incomplete::NotFinite);
+            }
+            self.is_there = self.path.step(led, 1.0, self.permission.speed_rad_s);
+            self.path.walls(self.readings.pose.q(), &mut walls);
+        }
+        let (permission, readings) = (&self.permission, &self.readings);
+        let count = self.rig.dofs().len();
+        let carried = Carried {
+            q: readings.pose.q(),
+            to: readings.tracked.q(),
+            qd: speeds.get(..count).unwrap_or_default(),
+            walls: &walls,
+            lowered: &self.lowered,
+            weight: permission.effort,
+        };
         let watch = &self.watch;
         let commands = self
             .performance
             .carry(
                 &self.path,
-                (readings.pose.q(), &walls),
+                &carried,
                 &readings.conditions,
-                |servo| permission.effort * watch.share(servo),
+                |servo| watch.share(servo),
                 &mut self.report.dofs,
             )
             .map_err(|_| Incomplete::NotFinite)?;

@@ -194,6 +194,12 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         }
     }
 
+    /// The rig is lowered: its goal, at rest.
+    pub(super) fn lower(&mut self) -> &mut Pose<DOFS, COORDS> {
+        self.goal.rest();
+        &mut self.goal
+    }
+
     /// The rig is led: its goal is where it was measured.
     pub(super) fn lead(&mut self, measured: &[f32]) -> &Pose<DOFS, COORDS> {
         self.goal.q_mut().iter_mut().zip(measured).for_each(|(goal, measured)| *goal = *measured);

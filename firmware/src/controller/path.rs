@@ -147,6 +147,11 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
         found
     }
 
+    /// A dof's speed as a part of `most_rad_s` of the fastest shaft of its drive.
+    pub(super) fn share(&self, dof: usize, speed: f32, most_rad_s: f32) -> f32 {
+        speed.abs() * self.dofs.get(dof).map_or(1.0, |axis| axis.shaft) / most_rad_s
+    }
+
     /// By dof, what pushes a pose back from the ends of its ranges, N m or N. Ball joints have no walls.
     pub(super) fn walls(&self, pose: &[f32], out: &mut [f32]) {
         for part in &self.parts {

@@ -7,7 +7,7 @@ use sinew_core::tracker::{Measured as Reading, Timing, Tracker, TrackerError};
 use sinew_core::{JointStates, Twist, Wrench};
 use sinew_rig::board::BoardRig;
 
-use super::coordinates::number;
+use super::coordinates::{number, put};
 use super::error::ControllerError;
 use super::path::Path;
 use super::pose::Pose;
@@ -20,6 +20,25 @@ const DELAYS: usize = 8;
 
 /// A number on the way was refused: there are no commands.
 pub(super) struct NotFinite;
+
+/// How a rig is carried without a goal.
+pub(super) struct Carried<'p> {
+    /// Where it is.
+    pub(super) q: &'p [f32],
+    /// Where each dof is to be, by coordinates: what corrects no error has a goal of its own.
+    pub(super) to: &'p [f32],
+    /// How fast each dof is, and is to be slower; of what corrects no error, the speed of its goal.
+    pub(super) qd: &'p [f32],
+    /// What pushes it back from the ends of its ranges.
+    pub(super) walls: &'p [f32],
+    /// By dof, what part of its weight is let go of.
+    pub(super) lowered: &'p [f32],
+    /// What part of its weight is carried at most.
+    pub(super) weight: f32,
+}
+
+/// What moves while it is carried is braked with this, 1/s: as by the tracker's gains, so that gears bear it.
+const BRAKE_PER_S: f32 = 28.0;
 
 /// Tracker and drives of a rig.
 #[derive(Debug)]
@@ -122,6 +141,11 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         self.corrects.get(dof).copied().unwrap_or(false)
     }
 
+    /// What a dof that corrects no error weighs by the model, when it was carried last.
+    pub(super) fn weight(&self, dof: usize) -> f32 {
+        self.commands.get(dof).map_or(0.0, |command| command.feedforward_effort)
+    }
+
     /// Whether every servo takes an effort: else the rig cannot carry itself.
     pub(super) fn carries(&self) -> bool {
         self.drives.servos().iter().all(|servo| servo.class().corrects())
@@ -171,14 +195,14 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         self.drive(conditions, share)
     }
 
-    /// A tick without a goal: what carries the rig where it is (`q`) by its model, and `walls`. Friction is left to the
+    /// A tick without a goal: what carries the rig where it is by its model, and brakes it. Friction is left to the
     /// servos: it holds the rig where a hand has left it. O(dofs).
     // Not within its caller, whose frame on the stack every other tick would pay for.
     #[inline(never)]
     pub(super) fn carry<const COORDS: usize>(
         &mut self,
         path: &Path<DOFS, COORDS>,
-        (q, walls): (&[f32], &[f32]),
+        carried: &Carried<'_>,
         conditions: &[Condition],
         share: impl Fn(usize) -> f32,
         report: &mut [DofReport],
@@ -187,32 +211,55 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         let count = self.rig.dofs().len();
         let mut efforts = [0.0; DOFS];
         let efforts = efforts.get_mut(..count).unwrap_or_default();
-        path.positions(q, efforts);
-        for (command, position) in self.commands.iter_mut().zip(&*efforts) {
+        path.positions(carried.to, efforts);
+        let mut speeds = [0.0; DOFS];
+        let speeds = speeds.get_mut(..count).unwrap_or_default();
+        for (dof, (command, position)) in self.commands.iter_mut().zip(&*efforts).enumerate() {
+            let qd = number(carried.qd, dof);
             // It is where it should be: no friction is fed forward for a way back.
             *command = DofCommand { position: *position, ..DofCommand::default() };
+            if self.corrects.get(dof) == Some(&true) {
+                put(speeds, dof, qd);
+            } else {
+                command.velocity = qd;
+            }
         }
         let mut states = JointStates::rest(tree);
-        let resting = [0.0; DOFS];
-        let resting = resting.get(..count).unwrap_or_default();
-        states.set_coordinates(tree, q, resting).map_err(|_| NotFinite)?;
+        states.set_coordinates(tree, carried.q, speeds).map_err(|_| NotFinite)?;
         let (mut motions, mut wrenches) = ([BodyMotion::default(); BODIES], [Wrench::ZERO; BODIES]);
-        let (bodies, at_rest) = (tree.bodies(), [Twist::ZERO; BODIES]);
+        let (bodies, mut braked) = (tree.bodies(), [Twist::ZERO; BODIES]);
+        for (braked, state) in braked.iter_mut().zip(states.as_slice()) {
+            let Twist { angular, linear } = state.velocity;
+            *braked = Twist { angular: angular * -BRAKE_PER_S, linear: linear * -BRAKE_PER_S };
+        }
         let gravity = self.tracker.controller().gravity_m_s2();
-        inverse_dynamics(
-            bodies,
-            states.as_slice(),
-            &at_rest,
-            gravity,
-            &[],
-            &mut motions,
-            &mut wrenches,
-        );
-        let wrenches = wrenches.get(..bodies.len()).unwrap_or_default();
-        tree.efforts(states.as_slice(), wrenches, efforts).map_err(|_| NotFinite)?;
+        let mut brakes = [0.0; DOFS];
+        let brakes = brakes.get_mut(..count).unwrap_or_default();
+        for (accelerations, out) in [(&[Twist::ZERO; BODIES], &mut *efforts), (&braked, brakes)] {
+            inverse_dynamics(
+                bodies,
+                states.as_slice(),
+                accelerations,
+                gravity,
+                &[],
+                &mut motions,
+                &mut wrenches,
+            );
+            let wrenches = wrenches.get(..bodies.len()).unwrap_or_default();
+            tree.efforts(states.as_slice(), wrenches, out).map_err(|_| NotFinite)?;
+        }
         for (index, (command, dof)) in self.commands.iter_mut().zip(self.rig.dofs()).enumerate() {
-            let weight = number(efforts, index).max(-dof.effort).min(dof.effort);
-            (command.feedforward_effort, command.feedback_effort) = (weight, number(walls, index));
+            let weight = number(efforts, index);
+            let brake = number(brakes, index) - weight;
+            let weight = weight.max(-dof.effort).min(dof.effort);
+            // A servo by position holds itself up where it is: all of its weight is taken off until the end.
+            let part = if self.corrects.get(index) == Some(&true) {
+                (1.0 - number(carried.lowered, index).min(1.0)).min(carried.weight)
+            } else {
+                1.0
+            };
+            command.feedforward_effort = part * weight;
+            command.feedback_effort = brake + number(carried.walls, index);
         }
         for (command, report) in self.commands.iter().zip(report) {
             report.effort = command.effort();
@@ -349,7 +396,9 @@ matrix = { rows = [[0.5, -0.5]] }
         let conditions = [Condition { feedback: Some(read), ..known }, known];
         for _ in 0..100 {
             let mut reports = [DofReport::default()];
-            let out = performance.carry(&path, (&q, &[0.0]), &conditions, |_| 1.0, &mut reports);
+            let carried =
+                Carried { q: &q, to: &q, qd: &[0.0], walls: &[0.0], lowered: &[0.0], weight: 1.0 };
+            let out = performance.carry(&path, &carried, &conditions, |_| 1.0, &mut reports);
             let out = out.map_err(|_| ()).unwrap();
             for servo in out.iter().flatten() {
                 // Its axis is upright: it weighs nothing.

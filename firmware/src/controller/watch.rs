@@ -139,6 +139,11 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
         })
     }
 
+    /// Whether a reading is new enough.
+    pub(super) fn is_fresh(&self, measured: &Measured) -> bool {
+        measured.age_ticks <= self.stale_ticks
+    }
+
     /// Whether a servo is silent, as far as its replies say.
     pub(super) fn is_silent(&self, health: &Health) -> bool {
         self.silence.step(health.missed_in_a_row).is_some()

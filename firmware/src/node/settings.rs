@@ -17,7 +17,7 @@ const EACH: usize = 6;
 pub const SETTINGS_MAX: usize = EACH * SETTING_NAMES.len();
 
 /// Names of all settings, which end with the unit. The first has key 1.
-pub const SETTING_NAMES: [&str; 19] = [
+pub const SETTING_NAMES: [&str; 20] = [
     "link_hold_s",
     "link_limp_s",
     "enable_s",
@@ -37,6 +37,7 @@ pub const SETTING_NAMES: [&str; 19] = [
     "live_stale_s",
     "float_rad_s",
     "swing_gain",
+    "lower_rad_s",
 ];
 
 /// Meaning of each of [`SETTING_NAMES`], for users. A board itself stores no texts.
@@ -47,7 +48,7 @@ pub const SETTING_TEXTS: [&str; SETTING_NAMES.len()] = [
     "time in which torque comes on, and the pose settles, before the rig holds",
     "time of the blend from one source of poses to another",
     "longest time of the motion to the rest pose; then the rig is lowered where it is",
-    "time in which effort fades to zero",
+    "time in which the carried weight fades while nothing moves; torque is off after six times this",
     "speed of the fastest joint from rest until it has reached its feed, and in jogging",
     "speed of the fastest joint on the way to the rest pose",
     "speed of the fastest joint in maintenance",
@@ -60,6 +61,7 @@ pub const SETTING_TEXTS: [&str; SETTING_NAMES.len()] = [
     "time without a new frame after which a live source is stale",
     "speed of the fastest joint that is led by hand while the rig carries itself",
     "factor to which the feedback of a joint that swings is lowered",
+    "speed of the fastest joint while the rig is lowered",
 ];
 
 /// Settings of a node that can be changed. The rest of [`ControllerSettings`] is fixed by the board: bus, servos,
@@ -218,6 +220,7 @@ impl NodeSettings {
             17 => &mut self.live_stale_s,
             18 => &mut supervisor.float_rad_s,
             19 => swing_gain,
+            20 => &mut supervisor.lower_rad_s,
             _ => return None,
         })
     }

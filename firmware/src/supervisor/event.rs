@@ -27,7 +27,7 @@ pub struct Event {
     pub carries: bool,
     /// The enabling button is held.
     pub enabled: bool,
-    /// The blend to the source is over, and the rig is there.
+    /// The blend to the source is over, and the rig is there; or the rig is down.
     pub arrived: bool,
     /// The time of a state that ends by itself is over.
     pub time_over: bool,

@@ -80,6 +80,6 @@ pub use guard::{
 pub use moving::Moving;
 pub use permission::Permission;
 pub use registers::{RegisterDiffers, Registers};
-pub use settings::{SOFT_MOST_RAD_S, Settings};
+pub use settings::{LOWER_MOST, SOFT_MOST_RAD_S, Settings};
 pub use state::{Allows, Feed, Mode, Operator, Source, State};
 pub use supervisor::{Inputs, LOGGED, Outcome, Supervisor};

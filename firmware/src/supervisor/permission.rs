@@ -22,17 +22,18 @@ pub struct Permission {
 }
 
 impl Permission {
-    /// `blended`: how much of the blend's time has gone; `lowered`: of the time of lowering.
-    pub(super) fn of(mode: &Mode, settings: &Settings, blended: f32, lowered: f32) -> Self {
+    /// `blended`: how much of the blend's time has gone; `effort`: what lowering leaves of it.
+    pub(super) fn of(mode: &Mode, settings: &Settings, blended: f32, effort: f32) -> Self {
         let (torque, source) = (mode.allows() > Allows::Nothing, mode.source());
         let is_jog = source == Source::Feed(Feed::Jog);
-        // What is led by hand is as fast as the hand.
-        let is_led = source == Source::Led;
-        let soft = (mode.is_soft && !is_led || is_jog).then_some(settings.soft_rad_s);
+        // What is led by hand is as fast as the hand; what is lowered, as it may be.
+        let is_own = matches!(mode.state, State::Floating | State::Lowering);
+        let soft = (mode.is_soft && !is_own || is_jog).then_some(settings.soft_rad_s);
         let of_state = match mode.state {
             State::Maintenance => Some(settings.maintenance_rad_s),
             State::Stopping => Some(settings.stop_rad_s),
-            State::Arming | State::Lowering => Some(settings.soft_rad_s),
+            State::Arming => Some(settings.soft_rad_s),
+            State::Lowering => Some(settings.lower_rad_s),
             State::Floating => Some(settings.float_rad_s),
             _ => None,
         };
@@ -41,7 +42,7 @@ impl Permission {
             (a, b) => a.or(b),
         };
         let effort = match mode.state {
-            State::Lowering => 1.0 - lowered,
+            State::Lowering => effort,
             _ if torque => 1.0,
             _ => 0.0,
         };

@@ -7,6 +7,9 @@ const DEG: f32 = core::f32::consts::PI / 180.0;
 /// The fastest soft speed, rad/s: 20 deg/s.
 pub const SOFT_MOST_RAD_S: f32 = 20.0 * DEG;
 
+/// Torque is off after so many times [`Settings::lower_s`]; and where the supply is low or a servo is hot.
+pub const LOWER_MOST: [f32; 2] = [6.0, 2.0];
+
 /// How long the supervisor waits, and how fast it lets joints move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -23,20 +26,22 @@ pub struct Settings {
     pub blend_s: f32,
     /// The rig is at its rest pose after this, or is lowered where it is, s.
     pub stop_s: f32,
-    /// Effort fades to nothing, s.
+    /// The weight that is carried fades in this while nothing moves, s. Torque is off after [`LOWER_MOST`] times it.
     pub lower_s: f32,
     /// Fastest joint from standing still until it has arrived at its feed, and of jogging, rad/s.
     pub soft_rad_s: f32,
     /// Fastest joint on the way to the rest pose, rad/s.
     pub stop_rad_s: f32,
+    /// Fastest joint while the rig is lowered, rad/s.
+    pub lower_rad_s: f32,
     /// Fastest joint in maintenance, rad/s.
     pub maintenance_rad_s: f32,
     /// Fastest joint that is led by hand while the rig carries itself, rad/s: beyond it the rig is lowered.
     pub float_rad_s: f32,
 }
 
-/// Hold after 0.2 s, limp after 2 s; enabled for 0.2 s; arming 1 s, blends 1 s, 10 s to the rest pose, lowered in 3 s;
-/// 20, 30 and 10 deg/s; 180 deg/s by hand.
+/// Hold after 0.2 s, limp after 2 s; enabled for 0.2 s; arming 1 s, blends 1 s, 10 s to the rest pose, lowered in 3 s
+/// at least; 20, 30, 30 and 10 deg/s; 180 deg/s by hand.
 impl Default for Settings {
     fn default() -> Self {
         Self {
@@ -49,6 +54,7 @@ impl Default for Settings {
             lower_s: 3.0,
             soft_rad_s: SOFT_MOST_RAD_S,
             stop_rad_s: 30.0 * DEG,
+            lower_rad_s: 30.0 * DEG,
             maintenance_rad_s: 10.0 * DEG,
             float_rad_s: 180.0 * DEG,
         }
@@ -68,6 +74,7 @@ impl Settings {
         SettingError::check("lower_s", self.lower_s, [0.0, 60.0])?;
         SettingError::check("soft_rad_s", self.soft_rad_s, [least_rad_s, SOFT_MOST_RAD_S])?;
         SettingError::check("stop_rad_s", self.stop_rad_s, [least_rad_s, 90.0 * DEG])?;
+        SettingError::check("lower_rad_s", self.lower_rad_s, [least_rad_s, 90.0 * DEG])?;
         SettingError::check(
             "maintenance_rad_s",
             self.maintenance_rad_s,

@@ -28,7 +28,7 @@ pub enum State {
     Maintenance = 7,
     /// It goes to its rest pose; then it is lowered.
     Stopping = 8,
-    /// It holds the measured pose with less and less effort; then it is limp.
+    /// It sinks slowly: less and less of its weight is carried, and what moves is braked; then it is limp.
     Lowering = 9,
     /// Torque is off, and a fault is latched.
     Faulted = 10,
@@ -131,7 +131,7 @@ pub enum Source {
 pub enum Allows {
     /// Torque is off.
     Nothing,
-    /// Effort that fades to nothing, towards the measured pose.
+    /// Effort that brakes, and carries less and less of the rig's weight.
     Lower,
     /// Effort that carries the rig's weight, towards no pose.
     Carry,

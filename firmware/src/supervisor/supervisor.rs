@@ -3,7 +3,8 @@
 use super::fault::{FaultLog, FaultRecord, Findings, reacting};
 use super::permission::Permission;
 use super::{
-    Answer, Command, Event, Fault, FaultSet, Feeds, Mode, Moving, Registers, Settings, State,
+    Answer, Command, Event, Fault, FaultSet, Feeds, LOWER_MOST, Mode, Moving, Registers, Settings,
+    State,
 };
 use crate::SettingError;
 
@@ -37,7 +38,8 @@ pub struct Inputs {
     pub feeds: Feeds,
     /// Every servo takes an effort, so that the rig can carry itself. Asked for by floating alone.
     pub carries: bool,
-    /// What is commanded is at the source of the last [`Permission`].
+    /// What is commanded is at the source of the last [`Permission`]. While the rig is lowered: it rests, and nothing
+    /// is carried any more.
     pub is_there: bool,
 }
 
@@ -150,7 +152,7 @@ impl Supervisor {
         let time_s = match self.mode.state {
             State::Arming => settings.arming_s,
             State::Stopping => settings.stop_s,
-            State::Lowering => settings.lower_s,
+            State::Lowering => self.lower_most_s(),
             _ => f32::INFINITY,
         };
         let mut present = inputs.findings.present();
@@ -171,7 +173,8 @@ impl Supervisor {
             feeds: inputs.feeds,
             carries: inputs.carries,
             enabled: clocks.enabled.is_some_and(|enabled| !over(enabled, settings.enable_s)),
-            arrived: inputs.is_there && over(clocks.source, settings.blend_s),
+            arrived: inputs.is_there
+                && (self.mode.state == State::Lowering || over(clocks.source, settings.blend_s)),
             time_over: over(clocks.state, time_s),
         }
     }
@@ -191,12 +194,19 @@ impl Supervisor {
 
     fn permission(&self, now_us: u64) -> Permission {
         let in_source = seconds(now_us, self.clocks.source) / self.settings.blend_s;
-        // Zero seconds of lowering are over at once.
-        let lowered = match seconds(now_us, self.clocks.state) / self.settings.lower_s {
-            share if share < 1.0 => share,
-            _ => 1.0,
-        };
-        Permission::of(&self.mode, &self.settings, in_source.min(1.0), lowered)
+        // The last part of the longest time fades what there is. Zero seconds of lowering are over at once.
+        let left_s = self.lower_most_s() - seconds(now_us, self.clocks.state);
+        let effort = (left_s / self.settings.lower_s.max(1e-3)).clamp(0.0, 1.0);
+        Permission::of(&self.mode, &self.settings, in_source.min(1.0), effort)
+    }
+
+    /// Lowering is over after this, whatever moves, s.
+    fn lower_most_s(&self) -> f32 {
+        let short =
+            FaultSet::EMPTY.with(Fault::HotMeasured).with(Fault::HotWinding).with(Fault::SupplyLow);
+        let [most, least] = LOWER_MOST;
+        let times = if self.mode.latched.and(short).is_empty() { most } else { least };
+        times * self.settings.lower_s
     }
 }
 

@@ -75,7 +75,7 @@ impl Mode {
                 self.feed = moves.then_some(Feed::Jog);
             }
             State::Stopping if event.time_over || event.arrived => self.state = State::Lowering,
-            State::Lowering if event.time_over => self.state = State::Limp,
+            State::Lowering if event.time_over || event.arrived => self.state = State::Limp,
             _ => {}
         }
     }

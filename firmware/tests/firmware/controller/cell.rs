@@ -47,7 +47,7 @@ pub(crate) fn measure(tried: &mut impl Tried, fault: Fault, state: State) -> Cel
         assert_eq!(tried.state(), state, "{state} ended before {fault}");
     }
     let (mut bytes, mut torque) = (None, None);
-    for tick in 0..tried.ticks_of(4.0) {
+    for tick in 0..tried.ticks_of(20.0) {
         let is_off = tried.servos_on() == 0 && tried.most_current_a() < NOTHING_A;
         bytes = bytes.or_else(|| tried.sent_off().then_some(tick));
         torque = torque.or_else(|| is_off.then_some(tick));
@@ -68,7 +68,7 @@ pub(crate) fn measure(tried: &mut impl Tried, fault: Fault, state: State) -> Cel
             break;
         }
         // A rig that is lowered is still carried on the way down: after half a second part of the torque is still
-        // there. The minimum share of effort is 0.3, and after 2.5 s of 3 s lowering leaves at least a sixth of it.
+        // there. The minimum share of effort is 0.3, and of a weight that stands 2.5 s of 3 s leave a sixth.
         // Servos that have stopped by themselves carry nothing.
         if reaction == Reaction::Lower
             && tick == tried.ticks_of(0.5)

@@ -72,7 +72,7 @@ fn a_servo_that_has_stopped_is_a_fault_until_it_is_armed_anew() {
     // In each tick one servo is asked, in turn.
     assert!(ticks.is_some_and(|ticks| ticks <= SERVOS as u32), "{ticks:?}");
     assert_eq!(test_rig.state(), State::Lowering);
-    test_rig.until(State::Faulted, 4.0);
+    test_rig.until(State::Faulted, 20.0);
     test_rig.run(0.5);
     assert_eq!(watchdogs(&test_rig), [5; SERVOS]);
     test_rig.tick(Some(Command::ClearFaults));

@@ -1,7 +1,9 @@
 //! A desk arm from power-on through a small show to its rest pose.
 
 use sinew_firmware::controller::{Jog, Start};
-use sinew_firmware::supervisor::{Command, Fault, FaultSet, Feed, SOFT_MOST_RAD_S, Source, State};
+use sinew_firmware::supervisor::{
+    Command, Fault, FaultSet, Feed, SOFT_MOST_RAD_S, Settings, Source, State,
+};
 
 use super::swing::swing;
 use super::test_rig::{Kind, SERVOS, TestRig, figure};
@@ -35,8 +37,11 @@ pub(crate) fn perform(kind: Kind) -> Seen {
         let (q, _) = test_rig.controller.commanded();
         for ((now, before), dof) in q.iter().zip(&before).zip(figure(kind).board.dofs()) {
             let now: f32 = *now;
-            let soft = matches!(report.state, State::Arming | State::Lowering);
-            let most = if soft { SOFT_MOST_RAD_S } else { dof.speed };
+            let most = match report.state {
+                State::Arming => SOFT_MOST_RAD_S,
+                State::Lowering => Settings::default().lower_rad_s,
+                _ => dof.speed,
+            };
             let moved = (now - before) / dt_s;
             let is_on = was_on && test_rig.controller.permission().torque;
             assert!(!is_on || f32::abs(moved) <= most + 1e-3, "{moved} rad/s in {}", report.state);
@@ -101,7 +106,7 @@ pub(crate) fn perform(kind: Kind) -> Seen {
     look(&mut test_rig, Some(Command::Stop));
     assert_eq!(test_rig.controller.report().source, Source::Rest);
     let mut at_rest = vec![];
-    for _ in 0..test_rig.ticks_of(15.0) {
+    for _ in 0..test_rig.ticks_of(30.0) {
         look(&mut test_rig, None);
         match test_rig.state() {
             State::Stopping => at_rest = test_rig.controller.commanded().0.to_vec(),

@@ -71,7 +71,7 @@ fn arming_waits_until_all_was_read() {
         assert_eq!(test_rig.controller.report().registers, Registers::Same);
         assert_eq!((refused(&mut test_rig), test_rig.state()), (None, State::Arming));
         test_rig.tick(Some(Command::Disarm));
-        test_rig.until(State::Limp, 5.0);
+        test_rig.until(State::Limp, 20.0);
         test_rig.tick(None);
         assert_eq!(refused(&mut test_rig), Some(Refused::RegistersUnread));
         ticks_to_compare(&mut test_rig);
@@ -115,7 +115,7 @@ fn registers_are_read_while_torque_is_off_alone_one_question_a_tick() {
             test_rig.tick(None);
         }
         test_rig.tick(Some(Command::Disarm));
-        test_rig.until(State::Limp, 5.0);
+        test_rig.until(State::Limp, 20.0);
         // The comparison starts again, regardless of earlier results.
         assert_eq!(test_rig.controller.report().registers, Registers::Unread);
         ticks_to_compare(&mut test_rig);
@@ -133,7 +133,7 @@ fn a_servo_that_starts_anew_in_a_performance_is_compared_before_it_is_armed_agai
     test_rig.bench.faults.push(Damage { servo: WHO, at_s, for_s, kind: FaultKind::Reboot });
     test_rig.until(State::Lowering, 3.0);
     test_rig.bench.servos_mut()[WHO].set(11, 3);
-    test_rig.until(State::Faulted, 5.0);
+    test_rig.until(State::Faulted, 20.0);
     test_rig.run(0.5);
     test_rig.tick(Some(Command::ClearFaults));
     assert_eq!((test_rig.state(), test_rig.servos_on()), (State::Limp, 0));

@@ -61,7 +61,7 @@ fn a_servo_that_keeps_its_torque_after_a_stop_is_not_armed_again() {
         test_rig.until(State::Holding, 2.0);
         stick(&mut test_rig);
         test_rig.tick(Some(Command::Disarm));
-        test_rig.until(State::Limp, 5.0);
+        test_rig.until(State::Limp, 20.0);
         is_refused_until_mended(test_rig);
     }
 }

@@ -231,14 +231,15 @@ fn performance(mut world: World) -> Run {
         } else {
             world.until(State::Holding, 20.0);
             world.ask(Command::Stop);
-            world.until(State::Limp, 25.0);
+            world.until(State::Limp, 40.0);
             // The rig comes to rest.
             world.run(3.0);
         }
     }
     world.run(1.0);
     assert_eq!((world.servos_on(), world.pins.outputs), (0, false));
-    assert!(world.host.faults.iter().any(|fault| fault.fault == 16), "{:?}", world.host.faults);
+    // Its one message may be lost on the line.
+    assert!(world.has(Fault::EStop)[1], "{:?}", world.host.faults);
     let setting = sinew_link::message::Value::Number(7.0);
     world.ask(Command::WriteSetting { key: 7, value: setting });
     world.connect();

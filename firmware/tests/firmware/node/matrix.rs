@@ -330,7 +330,8 @@ fn cell(world: &mut World, fault: Fault, state: State) -> String {
 
 /// Checks that a command clears a fault as soon as filters have settled.
 fn is_cleared(world: &mut World, fault: Fault) {
-    for _ in 0..40 {
+    // It goes to its rest pose and down before.
+    for _ in 0..120 {
         if world.state().is_some_and(|state| !state.is_on()) {
             world.ask(Command::ClearFaults);
             if !world.has(fault)[1] {

@@ -77,7 +77,7 @@ fn a_blank_board_gets_a_rig_settings_and_a_show_and_plays_it() {
     assert_eq!(world.ask(Command::Play(Feed::Show)), led_to(message::State::Playing));
     world.until(State::Holding, 20.0);
     assert_eq!(world.ask(Command::Stop), led_to(message::State::Stopping));
-    world.until(State::Limp, 25.0);
+    world.until(State::Limp, 40.0);
     world.run(0.5);
     assert_eq!((world.servos_on(), world.pins.outputs), (0, false));
     let is_warning = message::FaultRecord::is_warning;

@@ -43,7 +43,7 @@ fn plants() -> [Variation; 4] {
 }
 
 /// Returns the starter arm with servos of a kind, and masses in proportion to their torque.
-fn arm_of(model: &str) -> Rig {
+pub(super) fn arm_of(model: &str) -> Rig {
     let mut arm = sinew_rig::new::arm(6).unwrap();
     let [own, starter] = [model, STARTER].map(|name| ServoModel::built_in(name).unwrap());
     let factor = own.stall_torque_nm.value / starter.stall_torque_nm.value;

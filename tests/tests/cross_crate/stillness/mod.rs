@@ -6,6 +6,7 @@ mod follow;
 mod held;
 mod limits;
 mod long;
+mod lowered;
 mod measure;
 mod onset;
 mod position;
