@@ -1,4 +1,4 @@
-//! From a pose to commands of servos: the tracker, and the drives.
+//! Conversion of a pose to servo commands by the tracker and the drives.
 
 use heapless::Vec;
 use sinew_core::coordinates::DofCommand;
@@ -15,29 +15,29 @@ use super::report::DofReport;
 use super::settings::{ControllerSettings, ServoSetup};
 use crate::drives::{Class, Condition, Drives, Limit, ServoCommand, ServoDrive};
 
-/// One more than the longest latency in ticks.
+/// Maximum latency in ticks, plus one.
 const DELAYS: usize = 8;
 
-/// A number on the way was refused: there are no commands.
+/// The error that a number was refused: there are no commands.
 pub(super) struct NotFinite;
 
-/// How a rig is carried without a goal.
+/// Input for carrying a rig without a goal.
 pub(super) struct Carried<'p> {
-    /// Where it is.
+    /// Measured pose of the rig.
     pub(super) q: &'p [f32],
-    /// Where each dof is to be, by coordinates: what corrects no error has a goal of its own.
+    /// Target position of each dof, by coordinates: dofs that correct no error have their own goal.
     pub(super) to: &'p [f32],
-    /// How fast each dof is, and is to be slower; of what corrects no error, the speed of its goal.
+    /// Speed of each dof, which is to be braked; for dofs that correct no error, the speed of their goal.
     pub(super) qd: &'p [f32],
-    /// What pushes it back from the ends of its ranges.
+    /// By dof, effort that pushes the rig back from the ends of its ranges.
     pub(super) walls: &'p [f32],
-    /// By dof, what part of its weight is let go of.
+    /// By dof, released part of its weight.
     pub(super) lowered: &'p [f32],
-    /// What part of its weight is carried at most.
+    /// Maximum part of the weight that is carried.
     pub(super) weight: f32,
 }
 
-/// What moves while it is carried is braked with this, 1/s: as by the tracker's gains, so that gears bear it.
+/// Damping of movements while the rig is carried, 1/s: that of the tracker's gains, which gears can stand.
 const BRAKE_PER_S: f32 = 28.0;
 
 /// Tracker and drives of a rig.
@@ -46,7 +46,7 @@ pub(super) struct Performance<'a, const BODIES: usize, const DOFS: usize, const 
     rig: &'a BoardRig<BODIES, DOFS, SERVOS>,
     tracker: Tracker<BODIES, DELAYS>,
     pub(super) drives: Drives<'a, BODIES, DOFS, SERVOS>,
-    /// By dof: whether its servos take what the tracker makes of an error.
+    /// By dof, whether its servos use the tracker's feedback effort.
     corrects: Vec<bool, DOFS>,
     commands: Vec<DofCommand, DOFS>,
     out: Vec<Option<ServoCommand>, SERVOS>,
@@ -80,7 +80,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         let mut of_drives: Vec<_, SERVOS> = Vec::new();
         of_drives.extend(servos.iter().map(|servo| servo.drive).take(SERVOS));
         drives.init(&of_drives, timing).map_err(ControllerError::Drives)?;
-        // Dofs and servos of a rig are counted: there is room.
+        // There is room: `DOFS` and `SERVOS` are the maximum numbers.
         let _ = commands.resize(rig.dofs().len(), DofCommand::default());
         let _ = out.resize(rig.servos().len(), None);
         let _ = corrects.resize(rig.dofs().len(), false);
@@ -98,7 +98,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         self.fit_gears(servos, observes).map_err(ControllerError::Tracker)
     }
 
-    /// Sets what the gears of each joint allow: its observer's bandwidth, if the tracker observes, and its rest zone.
+    /// Sets the values that depend on each joint's gears: its observer's bandwidth, if the tracker has an observer,
+    /// and its rest zone.
     #[inline(never)]
     fn fit_gears(&mut self, servos: &[ServoSetup], observes: bool) -> Result<(), TrackerError> {
         let bodies = self.rig.tree().bodies();
@@ -112,7 +113,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
             }
             for dof in &drive.dofs {
                 let mut next = 0_usize;
-                // The joint that has this dof.
+                // The joint to which this dof belongs.
                 let joint = bodies.iter().position(|body| {
                     next = body.joint.dof_count().saturating_add(next);
                     usize::from(*dof) < next
@@ -122,7 +123,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
                     (bandwidths.get_mut(joint), rests.get_mut(joint))
                 {
                     let least = if least.is_finite() { least } else { 0.0 };
-                    // A ball joint may have several drives: 0 is none yet.
+                    // A ball joint may have several drives: 0 means that no drive has set the value yet.
                     *bandwidth = if *bandwidth > 0.0 { bandwidth.min(least) } else { least };
                     *rest = rest.max(sum);
                 }
@@ -136,22 +137,22 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         self.tracker.set_rest(rests.get(..bodies.len()).unwrap_or_default())
     }
 
-    /// Whether the servos of a dof take what the tracker makes of an error.
+    /// Returns whether the servos of a dof use the tracker's feedback effort.
     pub(super) fn corrects(&self, dof: usize) -> bool {
         self.corrects.get(dof).copied().unwrap_or(false)
     }
 
-    /// What a dof that corrects no error weighs by the model, when it was carried last.
+    /// Returns the weight by the model of a dof that corrects no error, from the last tick in which it was carried.
     pub(super) fn weight(&self, dof: usize) -> f32 {
         self.commands.get(dof).map_or(0.0, |command| command.feedforward_effort)
     }
 
-    /// Whether every servo takes an effort: else the rig cannot carry itself.
+    /// Returns whether every servo accepts an effort: otherwise the rig cannot carry itself.
     pub(super) fn carries(&self) -> bool {
         self.drives.servos().iter().all(|servo| servo.class().corrects())
     }
 
-    /// Begins where the rig is, at rest.
+    /// Restarts at the rig's current pose, at rest.
     pub(super) fn begin<const COORDS: usize>(
         &mut self,
         pose: &Pose<DOFS, COORDS>,
@@ -161,7 +162,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         self.resume(pose)
     }
 
-    /// The tracker begins where the rig is, at rest; drives go on.
+    /// Restarts the tracker at the rig's current pose, at rest; the drives continue.
     pub(super) fn resume<const COORDS: usize>(
         &mut self,
         pose: &Pose<DOFS, COORDS>,
@@ -170,7 +171,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         self.tracker.begin(&mut &*pose, 0, measured).map_err(|_| NotFinite)
     }
 
-    /// A tick: commands of all servos. `share`: what part of its effort each servo may give. O(dofs).
+    /// Computes the commands of all servos for a tick. `share` returns the permitted part of a servo's effort.
+    /// O(dofs).
     pub(super) fn step<const COORDS: usize>(
         &mut self,
         pose: &Pose<DOFS, COORDS>,
@@ -195,9 +197,9 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         self.drive(conditions, share)
     }
 
-    /// A tick without a goal: what carries the rig where it is by its model, and brakes it. Friction is left to the
-    /// servos: it holds the rig where a hand has left it. O(dofs).
-    // Not within its caller, whose frame on the stack every other tick would pay for.
+    /// Computes the commands of a tick without a goal: the efforts that carry the rig in its pose by its model, and
+    /// that brake it. Friction is not compensated: it holds the rig where a hand has left it. O(dofs).
+    // Not inlined into its caller, whose stack frame would be larger in every other tick.
     #[inline(never)]
     pub(super) fn carry<const COORDS: usize>(
         &mut self,
@@ -216,7 +218,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         let speeds = speeds.get_mut(..count).unwrap_or_default();
         for (dof, (command, position)) in self.commands.iter_mut().zip(&*efforts).enumerate() {
             let qd = number(carried.qd, dof);
-            // It is where it should be: no friction is fed forward for a way back.
+            // The target is the current position: no friction is fed forward for a way back.
             *command = DofCommand { position: *position, ..DofCommand::default() };
             if self.corrects.get(dof) == Some(&true) {
                 put(speeds, dof, qd);
@@ -252,7 +254,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
             let weight = number(efforts, index);
             let brake = number(brakes, index) - weight;
             let weight = weight.max(-dof.effort).min(dof.effort);
-            // A servo by position holds itself up where it is: all of its weight is taken off until the end.
+            // A servo in position mode holds its position by itself: its whole weight is compensated until the end.
             let part = if self.corrects.get(index) == Some(&true) {
                 (1.0 - number(carried.lowered, index).min(1.0)).min(carried.weight)
             } else {
@@ -267,15 +269,16 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         self.drive(conditions, share)
     }
 
-    /// What the servos are commanded, and what part of their currents they get.
+    /// Computes the servos' commands, and limits their currents to the permitted parts.
     fn drive(
         &mut self,
         conditions: &[Condition],
         share: impl Fn(usize) -> f32,
     ) -> Result<&[Option<ServoCommand>], NotFinite> {
         let Self { rig, tracker, drives, commands, out, .. } = self;
-        // A current is cut to its share below. In position mode the offset is cut, which is what the servo gives beyond
-        // its target; in PWM mode the effort is, since the part of the voltage that holds against back-EMF gives none.
+        // A current is limited to its permitted part below. In position mode the offset is limited, which is the
+        // effort beyond the target; in PWM mode the effort is, since the part of the voltage against the back-EMF
+        // gives no effort.
         for drive in rig.drives() {
             let class = drive.servos.first().and_then(|servo| class(drives.servos(), *servo));
             if !matches!(class, Some(Class::Position | Class::Voltage)) {
@@ -291,7 +294,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
             }
         }
         drives.step(commands, conditions, out).map_err(|_| NotFinite)?;
-        // Most ticks have none: they do without the pass over drives.
+        // Most ticks have no such servo, and skip the pass over the drives.
         if out.iter().flatten().any(gives_its_most) {
             for drive in rig.drives() {
                 let of_drive = drive.servos.iter().filter_map(|servo| out.get(usize::from(*servo)));
@@ -310,8 +313,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
     }
 }
 
-/// Whether a servo cannot give more. A hot one does not count: from heat the observer learns, or a joint would sag
-/// further with each tick of less current.
+/// Returns whether a servo cannot give more. A hot servo does not count: the observer must learn from heat, or a
+/// joint would sag further with each tick of less current.
 fn gives_its_most(servo: &ServoCommand) -> bool {
     matches!(servo.limit, Some(Limit::Torque | Limit::Current | Limit::Voltage | Limit::Stale))
 }
@@ -330,7 +333,7 @@ mod tests {
     use crate::drives::{CurrentSettings, CutOff, DriveSettings, Encoder};
     use crate::supervisor::detect::{HeatSettings, SupplySettings, WindingSettings};
 
-    /// Two servos that face each other on one joint, of which one was never read.
+    /// Two servos that face each other on a joint. One of them was never read.
     const PAIR: &str = r#"
 name = "pair"
 [[body]]
@@ -401,7 +404,7 @@ matrix = { rows = [[0.5, -0.5]] }
             let out = performance.carry(&path, &carried, &conditions, |_| 1.0, &mut reports);
             let out = out.map_err(|_| ()).unwrap();
             for servo in out.iter().flatten() {
-                // Its axis is upright: it weighs nothing.
+                // The joint's axis is vertical, so its weight needs no torque.
                 let a = if let Command::Current(a) = servo.command { a } else { f32::NAN };
                 assert!(a.abs() < 1e-4, "{servo:?}");
             }

@@ -1,32 +1,33 @@
-//! What drives may do.
+//! Permission of a tick for the drives.
 
 use super::{Allows, Feed, Mode, Settings, Source, State};
 
-/// What drives may do in a tick. Whoever calls applies it, and the [`Guard`](super::Guard) holds it to it.
+/// Permission of a tick for the drives. The caller applies it, and the [`Guard`](super::Guard) enforces it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Permission {
     /// Whether torque may be on. If not, it is switched off in this tick.
     pub torque: bool,
-    /// Where the pose comes from.
+    /// Source of the pose.
     pub source: Source,
-    /// What the source counts against the pose that was commanded when it began: from 0 to 1, with speed and
+    /// Weight of the source against the pose that was commanded when it began: from 0 to 1, with speed and
     /// acceleration zero at both ends.
     pub weight: f32,
-    /// Whether the source's own time goes on: a show waits at its first pose until the rig has arrived there.
+    /// Whether the source's own time advances: a show waits at its first pose until the rig has reached it.
     pub runs: bool,
-    /// The fastest that a joint may move, rad/s; none for what the servos' own limits say.
+    /// Maximum speed of a joint, rad/s; with `None` only the servos' own limits apply.
     pub speed_rad_s: Option<f32>,
-    /// What part of its effort a drive may give, 1 to 0.
+    /// Permitted part of a drive's effort, 1 to 0.
     pub effort: f32,
 }
 
 impl Permission {
-    /// `blended`: how much of the blend's time has gone; `effort`: what lowering leaves of it.
+    /// Returns the permission of a mode. `blended` is the elapsed part of the blend's time, `effort` the part of the
+    /// effort that lowering leaves.
     pub(super) fn of(mode: &Mode, settings: &Settings, blended: f32, effort: f32) -> Self {
         let (torque, source) = (mode.allows() > Allows::Nothing, mode.source());
         let is_jog = source == Source::Feed(Feed::Jog);
-        // What is led by hand is as fast as the hand; what is lowered, as it may be.
+        // A rig that is led by hand is as fast as the hand; a rig that is lowered has its own limit.
         let is_own = matches!(mode.state, State::Floating | State::Lowering);
         let soft = (mode.is_soft && !is_own || is_jog).then_some(settings.soft_rad_s);
         let of_state = match mode.state {
@@ -52,7 +53,8 @@ impl Permission {
     }
 }
 
-/// A quintic from 0 to 1, with slope and curvature zero at both ends. Both halves alike, so that it ends at 1.
+/// Returns a quintic from 0 to 1, with slope and curvature zero at both ends. Both halves are symmetric, so that it
+/// ends exactly at 1.
 fn smooth(share: f32) -> f32 {
     let rise = |t: f32| t * t * t * (10.0 + t * (6.0 * t - 15.0));
     if share < 0.5 { rise(share.max(0.0)) } else { 1.0 - rise((1.0 - share).max(0.0)) }

@@ -169,7 +169,7 @@ fn a_silent_link_holds_and_then_lowers() {
     rig.inputs.heard = false;
     assert!((rig.until(State::Holding) - 0.2).abs() < 0.011);
     assert!((rig.until(State::Lowering) - 1.8).abs() < 0.011);
-    // What is not down fades in the last 3 s of 18.
+    // A rig that is not down fades in the last 3 s of 18 s.
     rig.inputs.is_there = false;
     let efforts: Vec<f32> = (0..1600).map(|_| rig.tick().permission.effort).collect();
     let [whole, fading] = [&efforts[..1495], &efforts[1505..]];
@@ -199,7 +199,7 @@ fn stop_goes_to_the_rest_pose_and_ends_there_or_in_time() {
     assert_eq!((stopping.state, stopping.permission.source), (State::Stopping, Source::Rest));
     // The rig is at its rest pose, so the state ends after the blend of 1 s.
     assert!((rig.until(State::Lowering) - 1.0).abs() < 0.011);
-    // Down: at once.
+    // The rig is down, so lowering ends at once.
     assert!(rig.until(State::Limp) < 0.011);
 
     let mut stuck = Rig::playing(Feed::Show);
@@ -211,7 +211,7 @@ fn stop_goes_to_the_rest_pose_and_ends_there_or_in_time() {
     assert!((stuck.until(State::Lowering) - 9.98).abs() < 0.011);
     assert!((stuck.until(State::Limp) - 18.0).abs() < 0.011);
 
-    // Hot, it is let go of earlier.
+    // With a hot servo, lowering ends earlier.
     let mut hot = Rig::playing(Feed::Show);
     hot.inputs.is_there = false;
     hot.inputs.findings.note_of(Fault::HotMeasured, 4);

@@ -1,9 +1,10 @@
-//! Faults in words, for people. Apart from the table, since a board says numbers: what it never says it does not have.
+//! Texts of faults for users. They are separate from the table, since a board reports only numbers: unused texts are
+//! not linked.
 
 use super::Fault;
 
 impl Fault {
-    /// When it is there.
+    /// Returns the condition of the fault.
     pub const fn when(self) -> &'static str {
         match self {
             Self::LinkLate => "no valid message came for 0.2 s (setting)",
@@ -48,7 +49,7 @@ impl Fault {
         }
     }
 
-    /// What is to be done about it.
+    /// Returns the advice for a user.
     pub const fn remedy(self) -> &'static str {
         match self {
             Self::LinkLate => "look at cable and host; play again",

@@ -36,7 +36,7 @@ fn a_silent_host_leads_to_hold_and_to_limp() {
     // The last heartbeat was sent up to 20 ms earlier; it takes up to three ticks of 2.5 ms from host to supervisor.
     assert!((0.18..=0.2076).contains(&hold_s), "{hold_s}");
     assert!((1.98..=2.0076).contains(&lower_s), "{lower_s}");
-    // It hangs, or goes down: its weight fades for 3 s at least.
+    // The arm hangs, or moves down: its weight fades for at least 3 s.
     assert!((3.0..=18.005).contains(&(limp_s - lower_s)), "{limp_s}");
     assert!(world.servos_on() == 0 && !world.pins.outputs);
     // The host returns: nothing moves, and the fault is reported and stored.

@@ -1,5 +1,5 @@
-//! Rigs that are lowered from raised poses: how fast joints get, how long it takes, what torque is left at the end.
-//! `docs/lowering.md` has the table.
+//! Rigs that are lowered from raised poses: their maximum joint speed, the duration, and the torque that is left at
+//! the end. `docs/lowering.md` shows the table.
 
 use rayon::prelude::*;
 use sinew_firmware::supervisor::{Command, State};
@@ -13,35 +13,36 @@ use super::measure::Poses;
 use super::robots::{MIXED, OP3, POPPY, robot};
 use super::run::Rig;
 
-/// The fastest joint, deg/s: the setting's default.
+/// Maximum speed of a joint, deg/s: the setting's default.
 const MOST_DEG_S: f64 = 30.0;
-/// Speeds are differences over this, s; and over this, in which a joint falls through the play of its gear.
+/// Interval over which speeds are computed, s; and a shorter one, in which a joint falls through the play of its
+/// gear.
 const SPEED_S: f64 = 0.1;
 const BURST_S: f64 = 0.02;
-/// Torque is off after this at most, s.
+/// Maximum time until torque is off, s.
 const MOST_S: f64 = 18.01;
-/// It is watched for so long after torque is off, s.
+/// Time for which the rig is watched after torque is off, s.
 const AFTER_S: f64 = 2.0;
-/// A pose is reached, and held for so long before the rig is lowered, within this, s.
+/// Time for which a pose is held before the rig is lowered, and maximum time to reach it, s.
 const HELD_S: f64 = 1.0;
 const REACHED_S: f64 = 40.0;
 const POSES: u32 = 10;
-/// How much heavier and lighter the rig is than its file says.
+/// Ratio of the rig's masses to those of its file.
 const MASSES: [f64; 2] = [0.85, 1.15];
 
-/// What was seen of a rig that was lowered.
+/// Measurements of a rig that was lowered.
 #[derive(Debug, Clone, Copy, Default)]
 struct Lowered {
     most_deg_s: f64,
-    /// Over the shorter time.
+    /// Maximum speed over the shorter interval.
     burst_deg_s: f64,
-    /// After torque went off.
+    /// Maximum speed after torque went off.
     after_deg_s: f64,
     time_s: f64,
-    /// In the last tick with torque, of the servo that gives most: the part of its stall current, %.
+    /// Largest current in the last tick with torque, as a part of the servo's stall current, %.
     left_percent: f64,
     on: usize,
-    /// When it was fastest, s, and which dof.
+    /// Time of the maximum speed, s, and its dof.
     when: (f64, usize),
     after_when: (f64, usize),
 }
@@ -60,7 +61,7 @@ impl Lowered {
     }
 }
 
-/// Ten poses round home, within the ranges.
+/// Returns ten poses around home, within the ranges.
 fn raised(rig: &Rig, away_rad: f64) -> Vec<Vec<f64>> {
     let (home, links) = (rig.mechanism.home(), &rig.mechanism.bodies);
     let pose = |number: u32| {
@@ -80,7 +81,7 @@ fn raised(rig: &Rig, away_rad: f64) -> Vec<Vec<f64>> {
     (0..POSES).map(pose).collect()
 }
 
-/// The fastest joint of the last so many seconds of a way: deg/s, and which.
+/// Returns the fastest joint in the last `over_s` seconds: its speed, deg/s, and its index.
 fn fastest(poses: &[Vec<f64>], rate_hz: f64, over_s: f64) -> (f64, usize) {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "ticks")]
     let apart = (over_s * rate_hz).round() as usize;
@@ -91,7 +92,7 @@ fn fastest(poses: &[Vec<f64>], rate_hz: f64, over_s: f64) -> (f64, usize) {
     ((way / over_s).to_degrees(), dof)
 }
 
-/// Brings a rig to a pose, and lowers it.
+/// Moves a rig to a pose, and lowers it.
 fn lower(rig: &Rig, pose: &[f64], masses: f64) -> Lowered {
     let Rig { description, mechanism, drive } = rig;
     let options = Options { drive: *drive, ..Options::default() };
@@ -144,14 +145,14 @@ fn lower(rig: &Rig, pose: &[f64], masses: f64) -> Lowered {
     Lowered { on: sim.servos_on(), ..seen }
 }
 
-/// A rig from ten poses, with masses that are off one way and the other: each run.
+/// Lowers a rig from ten poses, alternately with smaller and larger masses, and returns each run.
 fn lowered(rig: &Rig, away_rad: f64) -> Vec<Lowered> {
     let poses = raised(rig, away_rad);
     let runs: Vec<_> = poses.iter().zip(MASSES.into_iter().cycle()).collect();
     runs.into_par_iter().map(|(pose, masses)| lower(rig, pose, masses)).collect()
 }
 
-/// Prints the row of a rig, and returns what is beyond the bounds.
+/// Prints the row of a rig, and returns the values that exceed their bounds.
 fn row(name: &str, rig: &Rig, away_rad: f64) -> Vec<String> {
     let runs = lowered(rig, away_rad);
     let most = runs.iter().copied().fold(Lowered::default(), Lowered::max);
@@ -165,7 +166,7 @@ fn row(name: &str, rig: &Rig, away_rad: f64) -> Vec<String> {
         most.on,
         most.after_deg_s
     );
-    // A joint may fall through the play of its gear besides.
+    // In addition, a joint may fall through the play of its gear.
     let plays = (0..rig.description.servos.len()).map(|servo| rig.model(servo).half_play_rad());
     let play_deg = 2.0 * plays.fold(0.0, f64::max).to_degrees();
     let allowed_deg_s = MOST_DEG_S + play_deg / SPEED_S;
